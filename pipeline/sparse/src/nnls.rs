@@ -33,20 +33,6 @@ impl NnlsColumns {
         self.values.par_chunks_exact_mut(self.rows)
     }
 
-    /// Multiplies each row by its weight.
-    pub fn scale_rows(&mut self, weights: &[f32]) {
-        self.each().for_each(|column| column.iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight));
-    }
-
-    /// Sums of the rows.
-    pub fn sums(&self) -> Vec<f64> {
-        let mut sums = vec![0.0; self.rows];
-        for column in self.values.chunks_exact(self.rows) {
-            sums.iter_mut().zip(column).for_each(|(sum, value)| *sum += f64::from(*value));
-        }
-        sums
-    }
-
     fn column(&self, at: usize) -> &[f32] {
         &self.values[at * self.rows..(at + 1) * self.rows]
     }
@@ -73,9 +59,9 @@ fn inner(a: &[f32], b: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + remainder
 }
 
-/// Columns (by number) and weights > 0 whose sum is within `tolerance` of the sum of all columns, relative.
-pub fn nnls(columns: &mut NnlsColumns, tolerance: f64) -> Vec<(usize, f64)> {
-    let target = DVector::from_vec(columns.sums());
+/// Columns (by number) and weights > 0 whose sum is within `tolerance` of the `target` (one entry a row), relative.
+pub fn nnls(columns: &mut NnlsColumns, target: &[f64], tolerance: f64) -> Vec<(usize, f64)> {
+    let target = DVector::from_column_slice(target);
     let lengths: Vec<f32> = columns.each().map(|c| inner(c, c).sqrt().max(f32::MIN_POSITIVE)).collect();
     let mut taken = vec![false; lengths.len()];
     let mut set = ActiveSet::new(&target);
@@ -86,10 +72,8 @@ pub fn nnls(columns: &mut NnlsColumns, tolerance: f64) -> Vec<(usize, f64)> {
         if found.is_empty() {
             break;
         }
-        for next in found {
-            taken[next] = true;
-            set.push(next, columns.column(next));
-        }
+        found.iter().for_each(|next| taken[*next] = true);
+        set.extend(&found, columns);
         set.solve();
     }
     set.numbers.iter().copied().zip(set.weights.iter().copied()).collect()
@@ -114,21 +98,27 @@ impl<'a> ActiveSet<'a> {
         Self { target, numbers, columns, products: DMatrix::zeros(0, 0), along, weights, residual: target.clone() }
     }
 
-    /// Adds a column with zero weight.
-    fn push(&mut self, at: usize, column: &[f32]) {
-        let column = DVector::from_iterator(column.len(), column.iter().map(|x| f64::from(*x)));
-        let n = self.columns.len();
-        let mut products = std::mem::replace(&mut self.products, DMatrix::zeros(0, 0)).resize(n + 1, n + 1, 0.0);
-        for (i, other) in self.columns.iter().enumerate() {
-            let product = other.dot(&column);
-            (products[(i, n)], products[(n, i)]) = (product, product);
+    /// Adds columns with zero weights.
+    fn extend(&mut self, numbers: &[usize], all: &NnlsColumns) {
+        let before = self.columns.len();
+        self.columns.extend(
+            numbers.iter().map(|&at| DVector::from_iterator(all.rows, all.column(at).iter().map(|x| f64::from(*x)))),
+        );
+        let count = self.columns.len();
+        let columns = &self.columns;
+        let products: Vec<Vec<f64>> = (before..count)
+            .into_par_iter()
+            .map(|new| columns[..=new].iter().map(|other| other.dot(&columns[new])).collect())
+            .collect();
+        self.products.resize_mut(count, count, 0.0);
+        for (new, with_others) in (before..count).zip(&products) {
+            for (other, product) in with_others.iter().enumerate() {
+                (self.products[(other, new)], self.products[(new, other)]) = (*product, *product);
+            }
         }
-        products[(n, n)] = column.norm_squared();
-        self.products = products;
-        self.along.push(column.dot(self.target));
-        self.columns.push(column);
-        self.numbers.push(at);
-        self.weights.push(0.0);
+        self.along.extend(columns[before..].iter().map(|column| column.dot(self.target)));
+        self.numbers.extend(numbers);
+        self.weights.resize(count, 0.0);
     }
 
     /// Least squares over the active columns, without those whose weights would not be positive.
@@ -199,8 +189,11 @@ mod tests {
             let x = i as f32 / count as f32;
             column.iter_mut().enumerate().for_each(|(k, value)| *value = x.powi(k as i32) / count as f32);
         }
-        let target = columns.sums();
-        let found = nnls(&mut columns, 1e-6);
+        let mut target = vec![0.0; rows];
+        for column in columns.values.chunks_exact(rows) {
+            target.iter_mut().zip(column).for_each(|(sum, value)| *sum += f64::from(*value));
+        }
+        let found = nnls(&mut columns, &target, 1e-6);
         assert!(found.len() <= rows && found.iter().all(|(_, weight)| *weight > 0.0), "{found:?}");
         for (row, sum) in target.iter().enumerate() {
             let met: f64 = found.iter().map(|(at, weight)| weight * f64::from(columns.column(*at)[row])).sum();

@@ -3,9 +3,10 @@
 //! A wall that buckles turns a shape within a few per cent of the pressure: levels of a staircase lie too far apart there to start from one
 //! another, and so do bodies whose moduli differ by a tenth. A step that is too long is given up after a few iterations and shortened.
 
-use fem::{Equilibrium, Solver, StaticSettings, extrapolated};
+use fem::{StaticSettings, extrapolated};
 use si::Pascal;
 
+use crate::levels::statics::{EquilibriumShape, Statics};
 use crate::model::{BODY, Elastic};
 use crate::surrogate::{KnownShape, Load};
 use diagnostics::Result;
@@ -49,7 +50,7 @@ impl Steps {
 /// The equilibrium at which a path begins, and those of the same body before it.
 pub(crate) struct Beginning<'a> {
     load: &'a Load,
-    /// Parts of the path and shapes (3 a node, m), by rising pressure; those before the beginning are negative, the last is zero.
+    /// Parts of the path and shapes, by rising pressure; those before the beginning are negative, the last is zero.
     known: Vec<(f64, &'a [f64])>,
 }
 
@@ -100,13 +101,17 @@ pub(crate) struct Point {
     pub part: f64,
     /// Its load.
     pub load: Load,
-    /// Its shape, m, 3 a node.
+    /// Its shape, in the unknowns of what found it.
     pub shape: Vec<f64>,
 }
 
 impl LoadPath<'_> {
     /// The points on the way, and the equilibrium at the end with `settings`.
-    pub fn follow(&self, solver: &mut Solver, settings: &StaticSettings) -> (Vec<Point>, Result<Equilibrium>) {
+    pub fn follow(
+        &self,
+        solver: &mut dyn Statics,
+        settings: &StaticSettings,
+    ) -> (Vec<Point>, Result<EquilibriumShape>) {
         let Steps { first, longest, shortest } = self.steps;
         let (mut points, mut reached, mut step): (Vec<Point>, f64, f64) = (Vec::new(), 0.0, first);
         loop {
@@ -115,10 +120,10 @@ impl LoadPath<'_> {
             let settings = StaticSettings { max_iterations: iterations, ..*settings };
             match self.equilibrium(target, &points, solver, &settings) {
                 Ok(end) if target == 1.0 => return (points, Ok(end)),
-                Ok(Equilibrium { displacement, factorisations, .. }) => {
+                Ok(EquilibriumShape { unknowns, factorisations }) => {
                     step = (step * growth(factorisations)).clamp(shortest, longest);
                     reached = target;
-                    points.push(Point { part: target, load: self.load(target), shape: displacement });
+                    points.push(Point { part: target, load: self.load(target), shape: unknowns });
                 }
                 Err(_) if step > shortest => step = (0.5 * step).max(shortest),
                 Err(cause) => return (points, Err(cause)),
@@ -131,14 +136,14 @@ impl LoadPath<'_> {
         &self,
         part: f64,
         points: &[Point],
-        solver: &mut Solver,
+        solver: &mut dyn Statics,
         settings: &StaticSettings,
-    ) -> Result<Equilibrium> {
+    ) -> Result<EquilibriumShape> {
         let pressures = self.set(part, solver)?;
         let nearby = points.last().map_or(self.from.shape(), |last| &last.shape);
         let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(TOLERANCE) };
         let settings = StaticSettings { tolerance, ..*settings };
-        Ok(solver.equilibrium_near(&pressures, nearby, &self.extrapolated(part, points), &settings)?)
+        solver.equilibrium_near(&pressures, nearby, &self.extrapolated(part, points), &settings)
     }
 
     fn load(&self, part: f64) -> Load {
@@ -146,14 +151,14 @@ impl LoadPath<'_> {
     }
 
     /// Sets the constants at `part` of the path in `solver` and returns the pressures there, Pa.
-    fn set(&self, part: f64, solver: &mut Solver) -> Result<Vec<Pascal>> {
+    fn set(&self, part: f64, solver: &mut dyn Statics) -> Result<Vec<Pascal>> {
         if part == 1.0 {
-            self.elastic.apply(solver)?;
+            solver.set_constants(self.elastic)?;
             return Ok(self.pressures.to_vec());
         }
         let constants = |load: &Load| load.constants(self.elastic.youngs_moduli[BODY], self.unit);
         let ((pressure, elastic), (whole, _)) = (constants(&self.load(part)), constants(self.to));
-        elastic.apply(solver)?;
+        solver.set_constants(&elastic)?;
         Ok(self.pressures.iter().map(|at_the_end| pressure / whole * at_the_end).collect())
     }
 

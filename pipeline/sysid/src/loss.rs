@@ -42,14 +42,12 @@ pub struct Evaluated {
     pub critical: Option<Pascal>,
 }
 
-/// The result of a search, with its solver.
+/// The result of a search.
 pub struct SearchResult {
     /// All evaluations.
     pub history: EvaluationLog,
     /// What was simulated at each point.
     pub evaluated: Vec<Evaluated>,
-    /// It knows the equilibria on the way.
-    pub solver: LevelSolver,
 }
 
 impl Loss<'_> {
@@ -91,12 +89,12 @@ impl Loss<'_> {
     ///
     /// # Errors
     /// As [`Loss::problem`].
-    pub fn problem_from(&self, start: Vec<f64>, bounds: Bounds) -> Result<Problem> {
+    pub(crate) fn problem_from(&self, start: Vec<f64>, bounds: Bounds) -> Result<Problem> {
         let names: Vec<&str> = self.body.materials.iter().map(|s| s.name.as_str()).collect();
         Ok(Problem::new(&names, start, bounds)?)
     }
 
-    /// Runs one method; the points of a batch are evaluated in the order of a spanning tree from those known.
+    /// Runs one method with a solver, which then knows the equilibria on the way; the points of a batch are evaluated in the order of a spanning tree from those known.
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when the method cannot continue, or Adam reaches a point without equilibrium.
@@ -104,7 +102,7 @@ impl Loss<'_> {
         &self,
         search: &Problem,
         (member, settings): (&optimisers::Member, &optimisers::Settings),
-        mut solver: LevelSolver,
+        solver: &mut LevelSolver,
     ) -> Result<SearchResult> {
         let mut optimiser = (member.build)(search, settings)?;
         let mut evaluated = Vec::new();
@@ -113,13 +111,13 @@ impl Loss<'_> {
             let known: Vec<Vec<f64>> = evaluated.iter().map(|e: &Evaluated| e.at.clone()).collect();
             let known = if known.is_empty() { vec![search.start().to_vec()] } else { known };
             for i in spanning_order(batch, &known) {
-                let evaluation = self.evaluate(&mut solver, &batch[i], needs, &mut evaluated).map_err(Interrupted)?;
+                let evaluation = self.evaluate(solver, &batch[i], needs, &mut evaluated).map_err(Interrupted)?;
                 answers[i] = Some(evaluation);
             }
             Ok(answers.into_iter().flatten().collect())
         };
         let history = optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?;
-        Ok(SearchResult { history, evaluated, solver })
+        Ok(SearchResult { history, evaluated })
     }
 
     /// Loss, and derivatives as far as needed, at a point; what was simulated there is added to `evaluated`.

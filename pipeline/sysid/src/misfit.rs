@@ -21,6 +21,8 @@ pub struct Misfit {
     films: Vec<usize>,
     whitening: Whitening,
     length: Metre,
+    /// Standard deviation of the discrepancy by which each displacement was weighed, m.
+    discrepancy: Metre,
 }
 
 impl Misfit {
@@ -30,7 +32,12 @@ impl Misfit {
     /// A [`Diagnostic`] when the covariance of a film is not positive definite.
     pub fn new(levels: Vec<PressureLevel>, films: &[usize], noise: &NoiseModel, length: Metre) -> Result<Self> {
         let whitening = whitening(&levels, films, |film| covariance(film, noise))?;
-        Ok(Self { levels, films: films.to_vec(), whitening, length })
+        Ok(Self { levels, films: films.to_vec(), whitening, length, discrepancy: noise.discrepancy_m })
+    }
+
+    /// Standard deviation of the discrepancy by which each displacement is weighed, m.
+    pub(crate) fn discrepancy(&self) -> Metre {
+        self.discrepancy
     }
 
     /// The whitening of the levels under another covariance of each film's displacements.

@@ -5,7 +5,7 @@
 //! a few columns with non-negative weights must reproduce the sum of all. Non-negative weights keep the reduced energy
 //! bounded below, as that of the full model is; weights of either sign could make a stable body unstable.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SVector};
 use rayon::prelude::*;
 use si::CubicMetre;
 
@@ -14,38 +14,129 @@ use super::model::Sampled;
 use crate::assembly::elastic::Elastic;
 use crate::inputs::Inputs;
 use crate::system_data::SystemData;
-use sparse::{NnlsColumns, nnls};
+use materials::material::{Material, Moduli};
+use sparse::{NnlsColumns, add, nnls};
 
 /// Forces of snapshots below this fraction of the largest force are matched to the same absolute error.
 const WEAK: f64 = 0.05;
 /// Weight of an error at a perturbation snapshot relative to one at a snapshot.
 const PERTURBATION_WEIGHT: f64 = 0.1;
 
+/// Of the quadrature points of a region about so many may be sampled.
+// Neighbours do nearly the same work. From a quarter of the points of a tail the cubature had as many points, and took a tenth of the time.
+const CANDIDATES: usize = 24_000;
+/// Points whose virtual work is summed at once.
+const CHUNK: usize = 512;
+
+/// A shape at which the cubature must reproduce the forces: q, and the moduli of each region that acted.
+pub(super) type TrainingShape = (DVector<f64>, Vec<Moduli>);
+
 /// The sampled quadrature points of each region: number in the full model, and weight, m³.
-pub(super) fn sample(system: &SystemData, modes: &DMatrix<f64>, snapshots: &[DVector<f64>], tolerance: f64) -> Sampled {
+pub(super) fn sample(
+    system: &SystemData,
+    modes: &DMatrix<f64>,
+    snapshots: &[TrainingShape],
+    tolerance: f64,
+) -> Sampled {
     let elastic = Inputs::new(system).elastic;
     let perturbations = perturbations(snapshots);
     let sample = |(region, elastic): (usize, &Elastic)| {
-        let numbers = points_of_region(system, region);
-        let candidate = |&point: &u32| Candidate {
-            weight: system.reference.weights[point as usize],
-            gradients: mode_gradient(system, point, modes),
-            shares: shares(system, point),
+        let shapes = snapshots.iter().map(|(q, moduli)| (q.clone(), moduli[region]));
+        let shapes = shapes.chain(perturbations.iter().map(|q| (q.clone(), elastic.moduli)));
+        let training = Training {
+            system,
+            modes,
+            material: elastic.material,
+            shapes: shapes.collect(),
+            snapshots: snapshots.len(),
         };
-        let all: Vec<Candidate> = numbers.iter().map(candidate).collect();
-        let mut training = training_matrix(&all, elastic, snapshots, &perturbations);
-        let weights = nnls(&mut training, tolerance);
-        weights.into_iter().map(|(point, weight)| (numbers[point], weight * all[point].weight)).collect()
+        training.sample(&points_of_region(system, region), tolerance)
     };
     elastic.iter().enumerate().map(sample).collect()
 }
 
-/// A quadrature point that may be sampled.
-struct Candidate {
-    weight: CubicMetre,
-    gradients: ModeGradient,
-    /// Of the μ and of the λ part of the energy.
-    shares: [f64; 2],
+/// What the cubature of one region is trained on.
+struct Training<'a> {
+    system: &'a SystemData,
+    modes: &'a DMatrix<f64>,
+    material: &'static dyn Material,
+    /// Coordinates and moduli of the snapshots, then of the perturbations.
+    shapes: Vec<(DVector<f64>, Moduli)>,
+    snapshots: usize,
+}
+
+impl Training<'_> {
+    /// Of the points `numbers` of the region those that are sampled, and their weights, m³.
+    fn sample(&self, numbers: &[u32], tolerance: f64) -> Vec<(u32, CubicMetre)> {
+        let sums = self.sums(numbers);
+        let row_weights = self.row_weights(&sums);
+        // one in so many, prime to the number of points in an element so that each of its places is among them
+        let points_each = self.system.reference.points;
+        let stride = (numbers.len() / CANDIDATES).max(1);
+        let stride = (stride..).find(|stride| *stride == 1 || !points_each.is_multiple_of(*stride)).unwrap_or(1);
+        let candidates: Vec<u32> = numbers.iter().copied().step_by(stride).collect();
+        let mut columns = NnlsColumns::new(sums.len(), candidates.len());
+        columns.each().zip(&candidates).for_each(|(column, &point)| {
+            let work = self.virtual_work(point);
+            column.iter_mut().zip(work.iter().zip(&row_weights)).for_each(|(value, (w, by))| *value = (w * by) as f32);
+        });
+        let target: Vec<f64> = sums.iter().zip(&row_weights).map(|(sum, by)| sum * by).collect();
+        let weight = |(at, weight): (usize, f64)| {
+            (candidates[at], weight * self.system.reference.weights[candidates[at] as usize])
+        };
+        nnls(&mut columns, &target, tolerance).into_iter().map(weight).collect()
+    }
+
+    /// The virtual work of a point along each mode at each shape, and its volume.
+    fn virtual_work(&self, point: u32) -> Vec<f64> {
+        let (weight, gradients) =
+            (self.system.reference.weights[point as usize], mode_gradient(self.system, point, self.modes));
+        let [shear, bulk] = shares(self.system, point);
+        let mut work = Vec::with_capacity(self.rows());
+        for (q, moduli) in &self.shapes {
+            let (_, stress) = self.material.stress(&deformation(&gradients, q), moduli.shared(shear, bulk));
+            let stress = SVector::<f64, 9>::from_column_slice(stress.as_slice());
+            work.extend((gradients.tr_mul(&stress) * weight).iter());
+        }
+        // both sums of shares over an element are its volume
+        work.push(0.5 * (shear + bulk) * weight);
+        work
+    }
+
+    fn rows(&self) -> usize {
+        self.shapes.len() * self.modes.ncols() + 1
+    }
+
+    /// The virtual work of all points; in the same order whatever the number of threads.
+    fn sums(&self, numbers: &[u32]) -> Vec<f64> {
+        let of_chunk = |chunk: &[u32]| {
+            let mut sums = vec![0.0; self.rows()];
+            for &point in chunk {
+                add(&mut sums, 1.0, &self.virtual_work(point));
+            }
+            sums
+        };
+        let parts: Vec<Vec<f64>> = numbers.par_chunks(CHUNK).map(of_chunk).collect();
+        let mut sums = vec![0.0; self.rows()];
+        parts.iter().for_each(|part| add(&mut sums, 1.0, part));
+        sums
+    }
+
+    /// One weight per row: all snapshots count alike whatever the size of their forces, so do all perturbations, and the volume counts as
+    /// much as a snapshot.
+    fn row_weights(&self, sums: &[f64]) -> Vec<f64> {
+        let (volume, work) = sums.split_last().map_or((1.0, sums), |(volume, work)| (*volume, work));
+        let r = self.modes.ncols();
+        let sizes: Vec<f64> = work.chunks_exact(r).map(|f| f.iter().map(|f| f * f).sum::<f64>().sqrt()).collect();
+        let largest = sizes[..self.snapshots].iter().fold(0.0, |most: f64, size| most.max(*size));
+        let row_weight = |(shape, size): (usize, &f64)| {
+            let is_snapshot = shape < self.snapshots;
+            let (weak, weight) =
+                if is_snapshot { (WEAK * largest, 1.0) } else { (f64::MIN_POSITIVE, PERTURBATION_WEIGHT) };
+            std::iter::repeat_n(weight / (size + weak), r)
+        };
+        sizes.iter().enumerate().flat_map(row_weight).chain([1.0 / volume]).collect()
+    }
 }
 
 /// The shares of the μ and λ parts of the energy that a quadrature point of the full model integrates.
@@ -67,8 +158,7 @@ pub(super) fn points(system: &SystemData, modes: &DMatrix<f64>, sampled: &[Vec<(
         let inside = sampled[region].iter().filter(|(point, _)| shares(system, *point) == kind);
         let at: Vec<(f64, ModeGradient)> =
             inside.map(|&(point, weight)| (weight, mode_gradient(system, point, modes))).collect();
-        let moduli = elastic[region].moduli.shared(kind[0], kind[1]);
-        Points::new(region, Elastic { moduli, ..elastic[region] }, &at, modes.ncols())
+        Points::new((region, elastic[region]), kind, &at, modes.ncols())
     };
     (0..sampled.len())
         .flat_map(|region| kinds.iter().map(move |kind| (region, *kind)))
@@ -105,49 +195,8 @@ fn mode_gradient(system: &SystemData, point: u32, modes: &DMatrix<f64>) -> ModeG
 
 /// Perturbation snapshots: along each coordinate alone, as far as the snapshots reach.
 // Without them nothing determines the stiffness of coordinates that the snapshots excite little.
-fn perturbations(snapshots: &[DVector<f64>]) -> Vec<DVector<f64>> {
-    let r = snapshots[0].len();
-    let far = |i: usize| snapshots.iter().fold(0.0, |most: f64, q| most.max(q[i].abs()));
+fn perturbations(snapshots: &[TrainingShape]) -> Vec<DVector<f64>> {
+    let r = snapshots.first().map_or(0, |(q, _)| q.len());
+    let far = |i: usize| snapshots.iter().fold(0.0, |most: f64, (q, _)| most.max(q[i].abs()));
     (0..r).map(|i| DVector::from_fn(r, |k, _| if k == i { far(i) } else { 0.0 })).collect()
-}
-
-/// Training matrix, ((snapshots + perturbations) × modes + 1) × points: the weighted virtual work of each point, and
-/// its volume.
-fn training_matrix(
-    all: &[Candidate],
-    elastic: &Elastic,
-    snapshots: &[DVector<f64>],
-    perturbations: &[DVector<f64>],
-) -> NnlsColumns {
-    let r = snapshots[0].len();
-    let rows = (snapshots.len() + perturbations.len()) * r + 1;
-    let mut columns = NnlsColumns::new(rows, all.len());
-    all.par_iter().zip(columns.each()).for_each(|(Candidate { weight, gradients, shares: [shear, bulk] }, column)| {
-        let moduli = elastic.moduli.shared(*shear, *bulk);
-        for (q, part) in snapshots.iter().chain(perturbations).zip(column.chunks_exact_mut(r)) {
-            let (_, stress) = elastic.material.stress(&deformation(gradients, q), moduli);
-            for (work, along) in part.iter_mut().zip(gradients.column_iter()) {
-                *work = (weight * stress.as_slice().iter().zip(along.iter()).map(|(p, g)| p * g).sum::<f64>()) as f32;
-            }
-        }
-        // both sums of shares over an element are its volume
-        column[rows - 1] = (0.5 * (shear + bulk) * weight) as f32;
-    });
-    columns.scale_rows(&row_weights(&columns, r, snapshots.len()));
-    columns
-}
-
-/// One weight per row: all snapshots count alike whatever the size of their forces, so do all perturbations, and the
-/// volume counts as much as a snapshot.
-fn row_weights(columns: &NnlsColumns, r: usize, snapshots: usize) -> Vec<f32> {
-    let sums = columns.sums();
-    let (volume, work) = sums.split_last().expect("a column has its volume");
-    let sizes: Vec<f64> = work.chunks_exact(r).map(|f| f.iter().map(|f| f * f).sum::<f64>().sqrt()).collect();
-    let largest = sizes[..snapshots].iter().fold(0.0, |most: f64, size| most.max(*size));
-    let row_weight = |(s, size): (usize, &f64)| {
-        let (weak, weight) =
-            if s < snapshots { (WEAK * largest, 1.0) } else { (f64::MIN_POSITIVE, PERTURBATION_WEIGHT) };
-        std::iter::repeat_n(weight / (size + weak), r)
-    };
-    sizes.iter().enumerate().flat_map(row_weight).chain([1.0 / volume]).map(|w| w as f32).collect()
 }

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, OMatrix};
 
 use super::acting::ActingRegion;
 use crate::assembly::elastic::Elastic;
-use materials::material::Tangent;
+use materials::material::{Moduli, Tangent};
 use materials::symmetric::matrix;
 use materials::tangent::{PointState, TangentKind};
 
@@ -33,7 +33,9 @@ pub(super) enum ReducedTangent<'a> {
 #[derive(Debug)]
 pub(super) struct Points {
     pub region: usize,
-    /// The region's law, with the group's shares of its moduli.
+    /// Of the μ and the λ part of the energy.
+    shares: [f64; 2],
+    /// The region's law, with these shares of its moduli.
     elastic: Elastic,
     /// points, m³.
     weights: Vec<f64>,
@@ -45,18 +47,24 @@ pub(super) struct Points {
 const BLOCK: usize = 16;
 
 impl Points {
-    /// Of a region with the weight (m³) and G of each of its points; `r` coordinates.
-    pub fn new(region: usize, elastic: Elastic, at: &[(f64, ModeGradient)], r: usize) -> Self {
+    /// Of a region with its law, the `shares` of its moduli, and the weight (m³) and G of each of its points; `r` coordinates.
+    pub fn new((region, elastic): (usize, Elastic), shares: [f64; 2], at: &[(f64, ModeGradient)], r: usize) -> Self {
+        let elastic = Elastic { moduli: elastic.moduli.shared(shares[0], shares[1]), ..elastic };
         let mut gradients = DMatrix::zeros(r, 9 * at.len());
         for (point, (_, of_point)) in at.iter().enumerate() {
             gradients.columns_mut(9 * point, 9).copy_from(&of_point.transpose());
         }
-        Self { region, elastic, weights: at.iter().map(|(weight, _)| *weight).collect(), gradients }
+        Self { region, shares, elastic, weights: at.iter().map(|(weight, _)| *weight).collect(), gradients }
     }
 
     /// The law and its constants.
     pub(super) fn elastic(&self) -> &Elastic {
         &self.elastic
+    }
+
+    /// What acts where the region has these moduli.
+    pub(super) fn acting(&self, moduli: Moduli) -> ActingRegion {
+        ActingRegion { moduli: moduli.shared(self.shares[0], self.shares[1]), held: Vec::new() }
     }
 
     /// points, m³.

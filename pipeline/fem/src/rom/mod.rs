@@ -18,7 +18,9 @@ mod pod;
 mod reduction;
 mod relaxation;
 mod single_step;
+mod statics;
 mod step;
+mod training;
 
 pub use arrays::{ReducedArrays, ReducedRegion};
 pub use error::ReducedError;
@@ -26,7 +28,9 @@ pub use model::{ReducedModel, ReducedModelData};
 pub use motion::{Actuation, ReducedMotion};
 pub use pod::ReductionSettings;
 pub use single_step::{ReducedState, ReducedStep, ReducedStepGradient};
+pub use statics::{ReducedEquilibrium, ReducedSolver};
 pub use step::{ExternalForce, NoForce, StepState};
+pub use training::Snapshot;
 
 #[cfg(test)]
 mod tests;

@@ -3,9 +3,11 @@
 use nalgebra::DMatrix;
 
 use super::chamber_volume::CubicVolume;
+use super::ecsw::TrainingShape;
 use super::error::ReducedError;
 use super::model::{ReducedModel, ReducedModelData};
 use super::pod::{Pod, ReductionSettings};
+use super::training::Snapshot;
 use super::{ecsw, pod};
 use crate::system::System;
 
@@ -16,16 +18,36 @@ impl System {
     /// # Errors
     /// [`ReducedError`] when there are no snapshots, they are not of this system, or a region uses mean dilatation.
     pub fn reduce(&self, snapshots: &[&[f64]], settings: &ReductionSettings) -> Result<ReducedModel, ReducedError> {
+        let snapshots: Vec<Snapshot> = snapshots.iter().map(|shape| Snapshot::of_shape(shape)).collect();
+        self.reduce_trained(&snapshots, settings)
+    }
+
+    /// As [`System::reduce`], from shapes under several sets of constants and with the directions in which they change: the model serves for
+    /// all bodies between.
+    ///
+    /// # Errors
+    /// As [`System::reduce`].
+    pub fn reduce_trained(
+        &self,
+        snapshots: &[Snapshot],
+        settings: &ReductionSettings,
+    ) -> Result<ReducedModel, ReducedError> {
         let system = &*self.data;
-        let required = system.full_length();
-        if snapshots.is_empty() || snapshots.iter().any(|snapshot| snapshot.len() != required) {
-            return Err(ReducedError::Snapshots { count: snapshots.len(), required });
+        let count = snapshots.len();
+        if snapshots.is_empty() || !snapshots.iter().all(|snapshot| snapshot.is_of(system)) {
+            return Err(ReducedError::Snapshots { count, required: system.full_length() });
         }
         self.check_reducible()?;
-        let none = ReducedError::NoMode { count: snapshots.len() };
-        let Pod { modes, coordinates } = pod::decompose(system, snapshots, settings).ok_or(none)?;
-        let points = ecsw::sample(system, &modes, &coordinates, settings.tolerance);
-        let size = coordinates.iter().flat_map(|q| q.iter()).fold(0.0, |most: f64, q| most.max(q.abs()));
+        let shapes = snapshots.iter().map(|snapshot| snapshot.displacement);
+        let changes = snapshots.iter().flat_map(|snapshot| snapshot.changes.iter().map(Vec::as_slice));
+        let fields: Vec<&[f64]> = shapes.chain(changes).collect();
+        let Pod { modes, coordinates } =
+            pod::decompose(system, &fields, settings).ok_or(ReducedError::NoMode { count })?;
+        let moduli = snapshots.iter().map(|snapshot| snapshot.moduli(system));
+        // of the coordinates, those of the shapes come first
+        let training: Vec<TrainingShape> = coordinates.into_iter().zip(moduli).collect();
+        let points = ecsw::sample(system, &modes, &training, settings.tolerance);
+        let size = training.iter().flat_map(|(q, _)| q.iter()).fold(0.0, |most: f64, q| most.max(q.abs()));
         let modes = modes.column_iter().map(|mode| mode.iter().copied().collect()).collect();
         self.restore(&ReducedModelData { modes, points, size })
     }

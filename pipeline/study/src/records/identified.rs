@@ -5,7 +5,7 @@ use si::{Metre, ModulusUnit, Pascal, Point3, Second};
 
 use crate::records::Uncertainty;
 use crate::subject::Specimen;
-use sysid::{Discrepancy, Elastic, Level, Model, NoiseModel};
+use sysid::{Certificate, Discrepancy, Elastic, Level, Model, NoiseModel};
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -24,6 +24,8 @@ pub struct Identified {
     pub sigma: Moduli,
     /// Stiffening of the softest solid; none where its law does not stiffen.
     pub stiffening: Option<Stiffening>,
+    /// How well a reduced model served the search; or why the whole body was searched.
+    pub certificate: Result<Certificate, String>,
     /// Time after loading to which they belong, s: the mean over the holds.
     pub modulus_time: Second,
     /// The loss there.
@@ -59,6 +61,7 @@ struct Scalars {
     best: Moduli,
     sigma: Moduli,
     stiffening: Option<Stiffening>,
+    certificate: Result<Certificate, String>,
     modulus_time_s: f64,
     loss: f64,
     length_m: f64,
@@ -83,6 +86,7 @@ impl Record for Identified {
             best: self.best.clone(),
             sigma: self.sigma.clone(),
             stiffening: self.stiffening,
+            certificate: self.certificate.clone(),
             modulus_time_s: self.modulus_time,
             loss: self.loss,
             length_m: self.length,
@@ -110,6 +114,7 @@ impl Record for Identified {
             best: s.best,
             sigma: s.sigma,
             stiffening: s.stiffening,
+            certificate: s.certificate,
             modulus_time: s.modulus_time_s,
             loss: s.loss,
             gradient_over_forward: d.gradient_over_forward,
@@ -144,6 +149,13 @@ impl Record for Identified {
         ]);
         metrics.extend(self.solids.iter().zip(&self.uncertainty.discretisation).map(|(solid, shift)| {
             Metric::new(id(&format!("{solid}_e.discretisation_percent")), 100.0 * shift.exp_m1(), "%")
+        }));
+        metrics.extend(self.certificate.iter().flat_map(|certificate| {
+            [
+                Metric::new(id("certificate_sigma"), certificate.sigma, ""),
+                Metric::new(id("certificate_rounds"), certificate.rounds as f64, ""),
+                Metric::new(id("whole_equilibria"), certificate.whole_equilibria as f64, ""),
+            ]
         }));
         metrics.extend(self.uncertainty.mesh_error.map(|error| Metric::new(id("mesh_error_mm"), 1e3 * error, "mm")));
         metrics.extend(self.uncertainty.first_correlation().map(|c| Metric::new(id("correlation"), c, "")));
@@ -227,6 +239,7 @@ mod tests {
             best: at(2e5),
             sigma: at(1e3),
             stiffening: Some(Stiffening { ratios: [0.02, 0.1], sigma: [0.01, 0.05] }),
+            certificate: Ok(Certificate { sigma: 0.05, rounds: 2, whole_equilibria: 42 }),
             modulus_time: 4.0,
             loss: 0.1,
             gradient_over_forward: 1.1,

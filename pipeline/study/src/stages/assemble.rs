@@ -1,6 +1,6 @@
 //! Assembly of the record of [`super::identify`]: moduli and their uncertainty, simulated levels.
 
-use optimize::{Evaluation, Residuals};
+use optimize::Residuals;
 use si::Point2;
 
 use super::fitting::Fitting;
@@ -8,7 +8,7 @@ use super::gradients::gradient_over_forward;
 use crate::records::{self, Identified, Level};
 use diagnostics::Result;
 use sysid::uncertainty::{self, Posterior};
-use sysid::{Derivatives, Model, SearchResult, Stiffened, by_node, residuals_of};
+use sysid::{Minimum, Model, Stiffened, by_node, residuals_of};
 use workflow::stage::StageContext;
 
 impl Fitting<'_> {
@@ -18,27 +18,27 @@ impl Fitting<'_> {
     /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the best moduli, or the data do not determine them.
     pub fn assemble(
         &self,
-        mut found: SearchResult,
+        found: &Minimum,
         finer: Result<Model, String>,
         context: &dyn StageContext,
     ) -> Result<Identified> {
         context.progress(0.95, "at the identified moduli");
-        let (loss, best) = (&self.loss, &found.history.best);
+        let (loss, best, levels) = (&self.loss, &found.moduli.history.best, &found.levels);
         let (elastic, misfit) = (loss.elastic(&best.at), &loss.misfit);
-        let levels = found.solver.solve(&elastic, Derivatives::None)?;
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let highest = levels.iter().zip(&misfit.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
-        let residuals = self.residuals(best)?;
+        let residuals = self.residuals(found)?;
         let discretisation = self.discretisation(finer, &elastic, &markers, residuals);
         let discrepancy = self.estimated(residuals)?;
         let (covariance, chi_square) = discrepancy.posterior(misfit, residuals.0, residuals.1)?;
         let posterior = Posterior { covariance, discretisation, chi_square };
-        let uncertainty = uncertainty::of(loss.body, &posterior, (&best.at, self.search.bounds()));
+        let uncertainty = uncertainty::of(loss.body, &posterior, (&best.at, found.problem.bounds()));
         Ok(Identified {
             solids: loss.body.materials.iter().map(|m| m.name.clone()).collect(),
             sigma: elastic.youngs_moduli.iter().zip(&uncertainty.sigma).map(|(e, s)| e * s).collect(),
             best: elastic.youngs_moduli.clone(),
-            stiffening: self.stiffening(&posterior),
+            stiffening: self.stiffening(found, &posterior),
+            certificate: found.certificate.clone(),
             modulus_time: self.modulus_time,
             loss: misfit.loss(&markers),
             gradient_over_forward: gradient_over_forward(loss, &elastic, self.set.static_tolerance, context)?,
@@ -53,21 +53,21 @@ impl Fitting<'_> {
 
     /// Whitened residuals at the best point and the number of their parameters: the moduli's logarithms and, where the law stiffens, both
     /// ratios of stiffening.
-    pub(super) fn residuals<'a>(&'a self, best: &'a Evaluation) -> Result<(&'a Residuals, usize)> {
+    fn residuals<'m>(&self, found: &'m Minimum) -> Result<(&'m Residuals, usize)> {
         let solids = self.loss.body.materials.len();
-        Ok(match &self.stiffened {
+        Ok(match &found.stiffened {
             Some(together) => (&together.residuals, solids + together.ratios.len()),
-            None => (residuals_of(best)?, solids),
+            None => (residuals_of(&found.moduli.history.best)?, solids),
         })
     }
 
-    fn stiffening(&self, posterior: &Posterior) -> Option<records::Stiffening> {
+    fn stiffening(&self, found: &Minimum, posterior: &Posterior) -> Option<records::Stiffening> {
         let solids = self.loss.body.materials.len();
         let of = |found: &Stiffened| records::Stiffening {
             ratios: found.ratios,
             sigma: [0, 1].map(|term| posterior.covariance.sigma(solids + term)),
         };
-        self.stiffened.as_ref().map(of)
+        found.stiffened.as_ref().map(of)
     }
 
     fn simulated_levels(&self, markers: &[Vec<Point2>]) -> Vec<Level> {

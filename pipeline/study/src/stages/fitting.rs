@@ -1,7 +1,7 @@
 //! The identification problem: pressure levels of all films of a specimen, the model, and the bounds of both moduli.
 
-use optimize::optimisers::{self, gauss_newton};
-use optimize::{Problem, Residuals};
+use optimize::Residuals;
+use optimize::optimisers::gauss_newton;
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point2, Second};
 
@@ -12,16 +12,16 @@ use crate::records::{Markers, Mesh, Motion, NoiseModel};
 use crate::selections::IdentificationTrials;
 use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
-use sysid::{
-    BODY, Body, Discrepancy, LevelSolver, Loss, Misfit, SearchResult, Stiffened, StiffeningProblem,
-    feasible_lower_bound, statics,
-};
+use sysid::{Body, Discrepancy, Loss, Minimum, Misfit, ModuliSearch, SearchModel};
+use workflow::stage::StageContext;
 use workflow::subject::Part;
 
 /// `[identify]` in `study.toml`.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
+    /// In what the search simulates: `reduced`, certified by the whole body at its end, or `whole`.
+    pub(super) model: SearchModel,
     /// The fraction at the end of each hold that counts as settled, 0 to 1.
     pub(super) settled_fraction: f64,
     /// The shortest hold that counts, s.
@@ -89,11 +89,6 @@ pub(crate) struct Fitting<'a> {
     pub(super) modulus_time: Second,
     /// Trial and rest places of each level.
     pub(super) origins: Vec<(String, Vec<Point2>)>,
-    pub(super) search: Problem,
-    /// The equilibria from which the search starts.
-    explored: LevelSolver,
-    /// Moduli and stiffening, identified together; none where the law of the softest solid does not stiffen.
-    pub(super) stiffened: Option<Stiffened>,
 }
 
 /// The films of a specimen: motion, and the markers with the contributions to their covariance.
@@ -121,35 +116,8 @@ impl<'a> Fitting<'a> {
         let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
         let misfit = Misfit::new(all, &counts, &noise, card.body.length)?;
         let loss = Loss { body: &card.body, model, misfit, gauge: WallGauge::new(mesh).of_levels() };
-        let (mut explored, mut bounds) = (loss.solver(set.static_tolerance, set.parallel_solves), loss.bounds());
-        // where stiffening is identified, it decides how soft a body has an equilibrium
-        if !loss.is_stiffening() {
-            bounds.low[0] = feasible_lower_bound(&mut explored, &loss.model.nominal, &bounds)?;
-        }
-        let search = loss.problem(bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
-        Self { set, loss, noise, modulus_time, origins, search, explored, stiffened: None }.stiffened()
-    }
-
-    /// With the stiffening that the films give, where the law of the softest solid has one.
-    // The stiffening is identified before the moduli, whose search keeps it: the least misfit of both together is also the least one over
-    // the moduli at that stiffening, and landscape and searches stay over two parameters as in the paper.
-    fn stiffened(mut self) -> Result<Self> {
-        if !self.loss.is_stiffening() {
-            return Ok(self);
-        }
-        let problem = StiffeningProblem {
-            model: &self.loss.model,
-            misfit: &self.loss.misfit,
-            moduli: &self.search,
-            prior_sigma: self.loss.body.materials[BODY].stiffening_sigma.unwrap_or(self.set.stiffening_sigma),
-            method: self.methods().gauss_newton,
-        };
-        let found = problem.identify(&mut self.explored, &|_| ())?;
-        self.loss.model.nominal.stiffening = found.ratios;
-        let bounds = self.search.bounds().clone();
-        self.search = self.loss.problem_from(bounds.clamp(&found.at[..self.search.names().len()]), bounds)?;
-        Ok(Self { stiffened: Some(found), ..self })
+        Ok(Self { set, loss, noise, modulus_time, origins })
     }
 
     /// The discrepancy that the residuals of a search show.
@@ -157,23 +125,19 @@ impl<'a> Fitting<'a> {
         Discrepancy::estimated(&self.loss.misfit, residuals, parameters, &self.set.prior(self.loss.body.length))
     }
 
-    /// Searches the moduli by the Gauss-Newton method.
+    /// Searches moduli and stiffening by the Gauss-Newton method.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the method cannot continue.
-    pub fn minimise(&self) -> Result<SearchResult> {
-        let unlisted =
-            || Diagnostic::new("identification needs gauss_newton", "`optimize` does not list it", "restore it");
-        let member = optimisers::by_name(gauss_newton::NAME).ok_or_else(unlisted)?;
-        let solver = self.explored.with(self.loss.misfit.levels.clone(), statics(self.set.static_tolerance));
-        self.loss.minimise(&self.search, (member, &self.methods()), solver)
-    }
-
-    fn methods(&self) -> optimisers::Settings {
-        let mut methods = optimisers::Settings::default();
-        methods.gauss_newton.step_tolerance = self.set.step_tolerance;
-        methods.gauss_newton.iterations = self.set.gauss_newton_iterations;
-        methods
+    pub fn minimise(&mut self, context: &dyn StageContext) -> Result<Minimum> {
+        let Settings { model, stiffening_sigma, static_tolerance, parallel_solves, .. } = *self.set;
+        let method = gauss_newton::Settings {
+            step_tolerance: self.set.step_tolerance,
+            iterations: self.set.gauss_newton_iterations,
+            ..gauss_newton::Settings::default()
+        };
+        let search = ModuliSearch { model, method, stiffening_sigma, static_tolerance, parallel_solves };
+        search.minimise(&mut self.loss, &|how| context.progress(0.5, how))
     }
 }
 

@@ -4,8 +4,6 @@
 //! methods do on the same loss is shown by [`super::method_comparison`]. The discrepancy between model and films is estimated from the
 //! residuals of the result, and the error of the mesh on a finer one; both are in the uncertainty.
 
-use optimize::optimisers::gauss_newton;
-
 use super::discretisation::finer;
 use super::fitting::{Card, Films, Fitting, Settings};
 use super::mesh;
@@ -23,7 +21,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const DESCRIPTION: &'static str = "Young's moduli are identified from quasi-static motion";
-    const VERSION: u32 = 21;
+    const VERSION: u32 = 22;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -35,9 +33,8 @@ impl Stage for Identify {
         (mesh, films): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<Identified> {
-        let fitting = Fitting::new(card, set, &mesh, &films)?;
-        context.progress(0.5, gauss_newton::NAME);
-        let found = fitting.minimise()?;
-        fitting.assemble(found, finer(card, set, (&mesh, &films), context), context)
+        let mut fitting = Fitting::new(card, set, &mesh, &films)?;
+        let found = fitting.minimise(context)?;
+        fitting.assemble(&found, finer(card, set, (&mesh, &films), context), context)
     }
 }

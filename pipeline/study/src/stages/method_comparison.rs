@@ -134,8 +134,8 @@ impl Stage for Comparison {
         for (i, member) in optimisers::ALL.iter().enumerate() {
             context.progress((i + 1) as f64 / (optimisers::ALL.len() + 1) as f64, member.name);
             let began = context.seconds();
-            let solver = explored.with(loss.misfit.levels.clone(), statics(set.static_tolerance));
-            let result = loss.minimise(&problem, (member, &methods), solver)?;
+            let mut solver = explored.with(loss.misfit.levels.clone(), statics(set.static_tolerance));
+            let result = loss.minimise(&problem, (member, &methods), &mut solver)?;
             searches.push(search(&loss, member.name, &result, context.seconds() - began));
             if member.name == grid::NAME {
                 evaluated = result.evaluated;

@@ -51,7 +51,9 @@ pub struct SimulatedLevel {
     pub sensitivities: Vec<Vec<Point2>>,
     /// Displacement of every node, m, 3 a node.
     pub displacement: Vec<f64>,
-    /// Derivatives of the displacement by the coordinates of its load; empty unless sensitivities were requested.
+    /// The shape in the unknowns that were solved for.
+    pub(crate) shape: Vec<f64>,
+    /// Its derivatives by the coordinates of its load; empty unless sensitivities were requested.
     pub(crate) slopes: Vec<Slope>,
     /// Time of the equilibrium, s.
     pub forward_seconds: f64,

@@ -2,7 +2,9 @@
 
 mod level;
 mod part;
+mod reduced;
 mod solver;
+pub(crate) mod statics;
 
 pub use level::{Derivatives, PressureLevel, SimulatedLevel};
 pub use solver::LevelSolver;

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use fem::{Equilibrium, Parameter, SolveError, Solver, StaticSettings};
+use fem::{Parameter, StaticSettings};
 use si::{Point2, Second};
 
 use super::level::{Derivatives, PressureLevel, SimulatedLevel};
+use super::statics::{EquilibriumShape, Statics, Unknowns};
 use crate::load_path::{Beginning, LoadPath, Steps};
-use crate::model::{BODY, Elastic, Model};
+use crate::model::{BODY, Elastic};
 use crate::surrogate::{Extra, KnownShape, Load, Surrogate};
 use diagnostics::{Diagnostic, Result};
 
@@ -16,7 +17,7 @@ const GUESSED: usize = 12;
 
 /// The data of one solve, shared by its solvers.
 pub(super) struct Part<'a> {
-    pub model: &'a Model,
+    pub unknowns: &'a Unknowns,
     pub levels: &'a [PressureLevel],
     pub settings: &'a StaticSettings,
     /// Equilibria of earlier solves.
@@ -43,8 +44,8 @@ impl Solved {
 
 impl Part<'_> {
     /// Solves some levels, each from the initial guess predicted by earlier solves and by the levels before it.
-    pub fn solve(&self, solver: &mut Solver, numbers: &[usize]) -> Result<Solved> {
-        self.elastic.apply(solver)?;
+    pub fn solve(&self, solver: &mut dyn Statics, numbers: &[usize]) -> Result<Solved> {
+        solver.set_constants(&self.elastic)?;
         let (mut solved, mut found) = (Solved::default(), Surrogate::default());
         for &number in numbers {
             let (level, load) = (&self.levels[number], self.load(number));
@@ -55,7 +56,7 @@ impl Part<'_> {
             solved.on_the_way.extend(passed);
             let simulated = self
                 .simulated(level, &load, (equilibrium, forward_seconds), solver)
-                .map_err(|e| no_equilibrium(level, e.into()))?;
+                .map_err(|e| no_equilibrium(level, e))?;
             let (shape, slopes) = (simulated.displacement.clone(), simulated.slopes.clone());
             found.add(KnownShape { load, shape, slopes });
             solved.levels.push((number, simulated));
@@ -73,8 +74,8 @@ impl Part<'_> {
         level: &PressureLevel,
         to: &Load,
         found: &Surrogate,
-        solver: &mut Solver,
-    ) -> Result<(Equilibrium, Vec<KnownShape>)> {
+        solver: &mut dyn Statics,
+    ) -> Result<(EquilibriumShape, Vec<KnownShape>)> {
         let prediction = Surrogate::predict(&[found, self.known], to);
         let near = prediction.as_ref().map(|(near, _)| *near);
         if let Some(Ok(equilibrium)) = prediction.map(|guess| self.guessed(level, guess, solver)) {
@@ -82,7 +83,7 @@ impl Part<'_> {
         }
         // A body of other constants may have its wall on the other side of a buckle, and the way from there crosses it backwards: such a level
         // took minutes. Below this one the same body has buckled or not on the way of rising pressure.
-        let (below, rest) = (found.below(to), KnownShape::at_rest(to, self.model.system.mesh().nodes.len()));
+        let (below, rest) = (found.below(to), KnownShape::at_rest(to, self.unknowns.count()));
         let (from, steps) = match (Beginning::on_the_way(&below, to), near) {
             (Some(from), _) => {
                 let steps = from.last_step().map_or(Steps::FROM_NEARBY, |last| Steps::FROM_NEARBY.after(last));
@@ -104,8 +105,8 @@ impl Part<'_> {
         &self,
         level: &PressureLevel,
         (near, predicted): (&KnownShape, Vec<f64>),
-        solver: &mut Solver,
-    ) -> Result<Equilibrium, SolveError> {
+        solver: &mut dyn Statics,
+    ) -> Result<EquilibriumShape> {
         let settings = StaticSettings { max_iterations: GUESSED, ..*self.settings };
         solver.equilibrium_near(&level.pressures, &near.shape, &predicted, &settings)
     }
@@ -115,58 +116,47 @@ impl Part<'_> {
         &self,
         level: &PressureLevel,
         load: &Load,
-        (equilibrium, forward_seconds): (Equilibrium, Second),
-        solver: &mut Solver,
-    ) -> Result<SimulatedLevel, SolveError> {
-        let model = self.model;
-        let markers: Vec<Point2> =
-            model.markers.iter().map(|spot| Model::in_plane(spot, &equilibrium.displacement)).collect();
+        (equilibrium, forward_seconds): (EquilibriumShape, Second),
+        solver: &mut dyn Statics,
+    ) -> Result<SimulatedLevel> {
+        let unknowns = self.unknowns;
+        let markers = unknowns.markers(&equilibrium.unknowns);
         let began = Instant::now();
         let gradient = match self.derivatives {
-            Derivatives::Gradient => self.gradient(level, &markers, &equilibrium, solver)?,
+            Derivatives::Gradient => solver.loss_by_moduli(&self.loss_by_markers(level, &markers))?,
             _ => Vec::new(),
         };
         let fields = match self.derivatives {
             Derivatives::None | Derivatives::Gradient => Vec::new(),
-            wanted => fields(&equilibrium, solver, &parameters(wanted, model.nominal.youngs_moduli.len()))?,
+            wanted => solver.sensitivities(&parameters(wanted, self.elastic.youngs_moduli.len()))?,
         };
         let derivative_seconds = began.elapsed().as_secs_f64();
-        let of_markers = |field: &Vec<f64>| model.markers.iter().map(|spot| Model::in_plane(spot, field)).collect();
-        let sensitivities = fields.iter().map(of_markers).collect();
+        let sensitivities = fields.iter().map(|field| unknowns.markers(field)).collect();
         let slopes = load.slopes(&self.elastic.youngs_moduli, fields, extra(self.derivatives));
-        let displacement = equilibrium.displacement;
+        let shape = equilibrium.unknowns;
         Ok(SimulatedLevel {
             markers,
             gradient,
             sensitivities,
-            displacement,
+            displacement: unknowns.displacement(&shape),
+            shape,
             slopes,
             forward_seconds,
             derivative_seconds,
         })
     }
 
-    /// Gradient by the moduli of this level's part of the mean distance, 1/(levels · markers) Σ |simulated − measured|.
-    fn gradient(
-        &self,
-        level: &PressureLevel,
-        markers: &[Point2],
-        equilibrium: &Equilibrium,
-        solver: &mut Solver,
-    ) -> Result<Vec<f64>, SolveError> {
+    /// The derivative by each marker's displacement (1/m) of this level's part of the mean distance, 1/(levels · markers) Σ |simulated −
+    /// measured|, m.
+    fn loss_by_markers(&self, level: &PressureLevel, markers: &[Point2]) -> Vec<Point2> {
         let share = 1.0 / (self.levels.len() * markers.len()) as f64;
-        let mut by_displacement = vec![0.0; equilibrium.displacement.len()];
-        for ((spot, simulated), measured) in self.model.markers.iter().zip(markers).zip(&level.measured) {
-            let off = [simulated[0] - measured[0], simulated[1] - measured[1]];
-            let distance = off[0].hypot(off[1]).max(f64::MIN_POSITIVE);
-            for &(node, weight) in &spot.weights {
-                for k in 0..2 {
-                    by_displacement[3 * node as usize + k] += share * weight * off[k] / distance;
-                }
-            }
-        }
-        let regions = solver.adjoint(equilibrium, &by_displacement)?;
-        Ok(regions.iter().map(|region| region.youngs_modulus).collect())
+        let by_marker = |(simulated, measured): (&Point2, &Point2)| {
+            let away = [simulated[0] - measured[0], simulated[1] - measured[1]];
+            let distance = away[0].hypot(away[1]).max(f64::MIN_POSITIVE);
+            away.map(|part| share * part / distance)
+        };
+        // length: one measured place a marker
+        markers.iter().zip(&level.measured).map(by_marker).collect()
     }
 }
 
@@ -185,15 +175,6 @@ const TERMS: [usize; 2] = [0, 1];
 
 fn stiffening(term: usize) -> Parameter {
     Parameter::Stiffening { region: BODY, term }
-}
-
-/// Derivatives of all displacements by each parameter, 3 entries per node, m per its unit.
-fn fields(
-    equilibrium: &Equilibrium,
-    solver: &mut Solver,
-    parameters: &[Parameter],
-) -> Result<Vec<Vec<f64>>, SolveError> {
-    parameters.iter().map(|&parameter| solver.sensitivity(equilibrium, parameter)).collect()
 }
 
 /// What sensitivities are by, beside the moduli.

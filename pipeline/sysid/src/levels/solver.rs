@@ -1,9 +1,11 @@
 //! Solvers that share the levels of a body between them.
 
-use fem::{Solver, StaticSettings};
+use fem::StaticSettings;
+use si::Point2;
 
 use super::level::{Derivatives, PressureLevel, SimulatedLevel};
 use super::part::{Part, Solved};
+use super::statics::{Statics, Unknowns};
 use crate::load_path::{Beginning, LoadPath, Steps};
 use crate::model::{BODY, Elastic, Model};
 use crate::surrogate::{KnownShape, Load, Surrogate};
@@ -15,21 +17,25 @@ const EXPLORED: f64 = 1e-4;
 /// Solvers, and the surrogate of their equilibria.
 pub struct LevelSolver {
     model: Model,
-    levels: Vec<PressureLevel>,
+    pub(super) levels: Vec<PressureLevel>,
     settings: StaticSettings,
-    solvers: Vec<Solver>,
-    known: Surrogate,
+    pub(super) unknowns: Unknowns,
+    solvers: Vec<Box<dyn Statics>>,
+    pub(super) known: Surrogate,
     /// See [`Load::new`].
-    unit: f64,
+    pub(super) unit: f64,
+    /// By level: what is added to the displacement of each marker, m; empty: nothing.
+    pub(super) corrections: Vec<Vec<Point2>>,
 }
 
 impl LevelSolver {
     /// A solver over the levels with this many parallel solvers; of the settings, tolerance and iterations of Newton's method count.
     pub fn new(model: Model, levels: Vec<PressureLevel>, settings: StaticSettings, parallel: usize) -> Self {
-        let solvers = (0..parallel.clamp(1, levels.len().max(1))).map(|_| model.system.solver()).collect();
         let highest = levels.iter().map(PressureLevel::top).fold(f64::MIN_POSITIVE, f64::max);
-        let unit = highest / model.nominal.youngs_moduli[BODY];
-        Self { model, levels, settings, solvers, known: Surrogate::default(), unit }
+        let (unit, known) = (highest / model.nominal.youngs_moduli[BODY], Surrogate::default());
+        let unknowns = Unknowns::Nodes(model.clone());
+        let solvers = (0..parallel.clamp(1, levels.len().max(1))).map(|_| unknowns.solver()).collect();
+        Self { model, levels, settings, unknowns, solvers, known, unit, corrections: Vec::new() }
     }
 
     /// What it solves.
@@ -37,10 +43,23 @@ impl LevelSolver {
         &self.model
     }
 
+    /// The levels.
+    pub(crate) fn levels(&self) -> &[PressureLevel] {
+        &self.levels
+    }
+
     /// The same equilibria as initial guesses for other `levels` or `settings` of the same specimen.
     pub fn with(&self, levels: Vec<PressureLevel>, settings: StaticSettings) -> Self {
-        let parallel = self.solvers.len();
-        Self { known: self.known.clone(), unit: self.unit, ..Self::new(self.model.clone(), levels, settings, parallel) }
+        let corrections = if levels.len() == self.levels.len() { self.corrections.clone() } else { Vec::new() };
+        let known = self.known.clone();
+        Self { levels, settings, corrections, ..self.seeking(self.unknowns.clone(), known) }
+    }
+
+    /// The same levels in other unknowns, in which it knows these shapes.
+    pub(super) fn seeking(&self, unknowns: Unknowns, known: Surrogate) -> Self {
+        let solvers = self.solvers.iter().map(|_| unknowns.solver()).collect();
+        let (model, levels, settings, unit) = (self.model.clone(), self.levels.clone(), self.settings, self.unit);
+        Self { model, levels, settings, unknowns, solvers, known, unit, corrections: Vec::new() }
     }
 
     /// Follows the equilibria with these constants, from rest or the highest that is known, to `reach` times the highest pressure of each
@@ -64,16 +83,16 @@ impl LevelSolver {
         let to = Load::new(level.filled(), level.top(), elastic, self.unit);
         let below = self.known.below(&to);
         let begin = below.last().map_or(0.0, |from| from.load.part_of(&to));
-        let rest = KnownShape::at_rest(&to, self.model.system.mesh().nodes.len());
+        let rest = KnownShape::at_rest(&to, self.unknowns.count());
         let from = Beginning::on_the_way(&below, &to).unwrap_or(Beginning::at(&rest));
         let (pressures, unit, steps) = (level.pressures.as_slice(), self.unit, Steps::FROM_REST.over(1.0 - begin));
         let path = LoadPath { from, to: &to, pressures, elastic, unit, steps };
         let settings = StaticSettings { tolerance: EXPLORED, ..self.settings };
-        let (points, end) = path.follow(&mut self.model.system.solver(), &settings);
+        let (points, end) = path.follow(self.unknowns.solver().as_mut(), &settings);
         let part = if end.is_ok() { 1.0 } else { points.last().map_or(0.0, |last| last.part) };
         let reached = begin + (1.0 - begin) * part;
         let on_the_way = points.into_iter().map(|point| KnownShape::new(point.load, point.shape));
-        (on_the_way.chain(end.ok().map(|end| KnownShape::new(to, end.displacement))).collect(), reached)
+        (on_the_way.chain(end.ok().map(|end| KnownShape::new(to, end.unknowns))).collect(), reached)
     }
 
     /// All levels with these constants.
@@ -85,21 +104,27 @@ impl LevelSolver {
             self.follow_paths(elastic, 1.0)?;
         }
         let shares = shares(&self.levels, self.solvers.len());
-        let Self { model, levels, settings, solvers, known, unit } = self;
-        let part = Part { model, levels, settings, known, unit: *unit, elastic: elastic.clone(), derivatives };
+        let Self { levels, settings, unknowns, solvers, known, unit, .. } = self;
+        let part = Part { unknowns, levels, settings, known, unit: *unit, elastic: elastic.clone(), derivatives };
         let count = solvers.len();
         let each = solvers.iter_mut().zip(&shares);
-        let parts = parallel(each, count, |(solver, share)| part.solve(solver, share));
+        let parts = parallel(each, count, |(solver, share)| part.solve(solver.as_mut(), share));
         let Solved { levels: mut all, on_the_way } =
             parts.into_iter().try_fold(Solved::default(), |all, part| part.map(|part| all.and(part)))?;
         all.sort_by_key(|(level, _)| *level);
         let loads: Vec<Load> = (0..all.len()).map(|level| part.load(level)).collect();
         on_the_way.into_iter().for_each(|shape| self.known.add(shape));
         for (load, (_, simulated)) in loads.into_iter().zip(&mut all) {
-            let (shape, slopes) = (simulated.displacement.clone(), std::mem::take(&mut simulated.slopes));
+            let (shape, slopes) = (std::mem::take(&mut simulated.shape), std::mem::take(&mut simulated.slopes));
             self.known.add(KnownShape { load, shape, slopes });
         }
-        Ok(all.into_iter().map(|(_, simulated)| simulated).collect())
+        let mut all: Vec<SimulatedLevel> = all.into_iter().map(|(_, simulated)| simulated).collect();
+        for (simulated, corrections) in all.iter_mut().zip(&self.corrections) {
+            // length: one correction a marker
+            let corrected = simulated.markers.iter().zip(corrections).map(|(at, by)| [at[0] + by[0], at[1] + by[1]]);
+            simulated.markers = corrected.collect();
+        }
+        Ok(all)
     }
 }
 

@@ -108,6 +108,18 @@ impl Load {
         std::iter::once(by_pressure).chain(by_ratio).chain(by_others).collect()
     }
 
+    /// How far a search may move the coordinate `number` from a body that is known: a twentieth of the highest pressure, and of the constants
+    /// about what identification leaves open.
+    pub fn spread(&self, number: usize) -> f64 {
+        let solids = self.at.len() / 2 - 1;
+        match number {
+            0 => 0.05,
+            ratio if ratio < solids => 0.3,
+            nu if nu < 2 * solids => 0.01 * BY_RATIO[(nu - solids).min(1)],
+            _ => 0.03,
+        }
+    }
+
     /// The difference of the coordinate `number` from that of `other`.
     pub fn along(&self, other: &Self, number: usize) -> f64 {
         self.at[number] - other.at[number]

@@ -30,7 +30,7 @@ const KEPT_SLOPES: usize = 80;
 pub(crate) struct KnownShape {
     /// The load.
     pub load: Load,
-    /// The shape, m, 3 a node.
+    /// The shape, in the unknowns of what found it.
     pub shape: Vec<f64>,
     /// Its derivatives; none where they are not known.
     pub slopes: Vec<Slope>,
@@ -42,9 +42,9 @@ impl KnownShape {
         Self { load, shape, slopes: Vec::new() }
     }
 
-    /// The body of `load` with so many nodes at rest.
-    pub fn at_rest(load: &Load, nodes: usize) -> Self {
-        Self::new(load.clone().without(), vec![0.0; 3 * nodes])
+    /// The body of `load` with so many unknowns at rest.
+    pub fn at_rest(load: &Load, unknowns: usize) -> Self {
+        Self::new(load.clone().without(), vec![0.0; unknowns])
     }
 }
 
@@ -64,6 +64,19 @@ impl Surrogate {
             self.shapes[old].slopes.clear();
         }
         self.shapes.push(known);
+    }
+
+    /// All shapes, the newest first, without those whose loads differ by less than `apart` from that of a newer one.
+    pub(crate) fn newest_apart(&self, apart: f64) -> Vec<&KnownShape> {
+        let mut kept: Vec<&KnownShape> = Vec::new();
+        for known in self.shapes.iter().rev() {
+            let is_alike =
+                |other: &&KnownShape| other.load.chamber == known.load.chamber && other.load.away(&known.load) < apart;
+            if !kept.iter().any(is_alike) {
+                kept.push(known);
+            }
+        }
+        kept
     }
 
     /// Whether it has no shape.

@@ -1,5 +1,7 @@
 //! The reduced model against the full model: volumes, forces and their derivatives, equilibria and motion.
 
+mod statics;
+
 use nalgebra::DVector;
 
 use super::elastic_forces::ReducedTangent;

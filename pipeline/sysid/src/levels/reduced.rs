@@ -1,0 +1,98 @@
+//! The levels of a solver in a reduced model that its own equilibria train.
+//!
+//! Shapes over moduli, Poisson's ratios, stiffening and pressure, through the buckle of a thin wall, lie close to a space of some thirty
+//! dimensions. A search that follows load paths of the whole body at each of its points solves for the same shapes again and again; in this
+//! space a level takes milliseconds. What the model leaves out is corrected at the point where the whole body was solved last, so that a
+//! search ends where that body's own would.
+
+use fem::{ReductionSettings, RegionProperties, Snapshot};
+use si::Point2;
+
+use super::level::{Derivatives, SimulatedLevel};
+use super::solver::LevelSolver;
+use super::statics::{ReducedShapes, Unknowns};
+use crate::model::{BODY, Elastic};
+use crate::surrogate::{KnownShape, Load, Slope, Surrogate};
+use diagnostics::Result;
+
+/// Coordinates at most, and the tolerance of the cubature: relative error of the forces.
+const SETTINGS: ReductionSettings = ReductionSettings { coordinates: 44, least_share: 1e-10, tolerance: 3e-4 };
+/// Equilibria whose loads are nearer to each other than this teach the same.
+const APART: f64 = 0.02;
+
+impl LevelSolver {
+    /// The same levels in a reduced model trained on the equilibria that this solver knows, with their derivatives.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when it knows none, or the body cannot be reduced.
+    pub(crate) fn reduced(&self) -> Result<Self> {
+        let known = self.known.newest_apart(APART);
+        let regions: Vec<Vec<RegionProperties>> = known.iter().map(|shape| self.regions(&shape.load)).collect();
+        let changes: Vec<Vec<Vec<f64>>> = known.iter().map(|shape| changes(shape)).collect();
+        let training: Vec<Snapshot> = known
+            .iter()
+            .zip(regions.iter().zip(&changes))
+            .map(|(shape, (regions, changes))| Snapshot { displacement: &shape.shape, regions, changes })
+            .collect();
+        let reduced = self.model().system.reduce_trained(&training, &SETTINGS);
+        let shapes = ReducedShapes::new(self.model(), reduced?);
+        let mut coordinates = Surrogate::default();
+        known.iter().rev().for_each(|shape| coordinates.add(projected(shape, &shapes)));
+        Ok(self.seeking(Unknowns::Coordinates(shapes.into()), coordinates))
+    }
+
+    /// Corrects the markers of each level by what these of the `whole` body, at the same constants, differ from its own.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when it finds no equilibrium there.
+    pub(crate) fn correct(&mut self, elastic: &Elastic, whole: &[SimulatedLevel]) -> Result<()> {
+        self.corrections = Vec::new();
+        let own = self.solve(elastic, Derivatives::None)?;
+        let difference = |(whole, own): (&Point2, &Point2)| [whole[0] - own[0], whole[1] - own[1]];
+        let of_level = |(whole, own): (&SimulatedLevel, &SimulatedLevel)| {
+            // length: the same markers
+            whole.markers.iter().zip(&own.markers).map(difference).collect()
+        };
+        self.corrections = whole.iter().zip(&own).map(of_level).collect();
+        Ok(())
+    }
+
+    /// Takes these `simulated` levels as guesses of its own at the same constants.
+    pub(crate) fn guess(&mut self, elastic: &Elastic, simulated: &[SimulatedLevel]) {
+        for (level, simulated) in self.levels.iter().zip(simulated) {
+            let load = Load::new(level.filled(), level.top(), elastic, self.unit);
+            self.known.add(KnownShape::new(load, simulated.displacement.clone()));
+        }
+    }
+
+    /// The regions of a body with this load; the modulus that all of its stresses share does not matter.
+    fn regions(&self, load: &Load) -> Vec<RegionProperties> {
+        let model = self.model();
+        let (_, elastic) = load.constants(model.nominal.youngs_moduli[BODY], self.unit);
+        let mut regions = model.system.regions().to_vec();
+        for (region, (e, nu)) in regions.iter_mut().zip(elastic.youngs_moduli.iter().zip(&elastic.poissons_ratios)) {
+            (region.youngs_modulus, region.poissons_ratio) = (*e, *nu);
+        }
+        regions[BODY].stiffening = elastic.stiffening;
+        regions
+    }
+}
+
+/// The changes of a shape by each coordinate of its load as far as a search may move it.
+fn changes(known: &KnownShape) -> Vec<Vec<f64>> {
+    let scaled = |Slope { coordinate, slope }: &Slope| {
+        let spread = known.load.spread(*coordinate);
+        slope.iter().map(|by| spread * by).collect()
+    };
+    known.slopes.iter().map(scaled).collect()
+}
+
+/// A known shape in reduced coordinates.
+fn projected(known: &KnownShape, onto: &ReducedShapes) -> KnownShape {
+    let slope = |of: &Slope| Slope { coordinate: of.coordinate, slope: onto.projected(&of.slope) };
+    KnownShape {
+        load: known.load.clone(),
+        shape: onto.projected(&known.shape),
+        slopes: known.slopes.iter().map(slope).collect(),
+    }
+}

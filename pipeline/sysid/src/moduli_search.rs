@@ -1,0 +1,134 @@
+//! The search of the solids' moduli and, where the softest one's law stiffens, of its stiffening: in a reduced model that the whole body
+//! certifies, or by the whole body alone.
+//!
+//! The stiffening is identified before the moduli, whose search keeps it: the least misfit of both together is also the least one over the
+//! moduli at that stiffening, and landscape and searches stay over two parameters as in the paper.
+
+use optimize::Problem;
+use optimize::optimisers::{self, gauss_newton};
+use serde::{Deserialize, Serialize};
+
+use crate::certified::{Certificate, Certified, CertifiedSearch};
+use crate::levels::{Derivatives, LevelSolver, SimulatedLevel};
+use crate::loss::{Loss, SearchResult};
+use crate::model::{BODY, Elastic};
+use crate::search::feasible_lower_bound;
+use crate::stiffening::{Stiffened, StiffeningProblem};
+use diagnostics::{Diagnostic, Result};
+
+/// In what a search simulates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SearchModel {
+    /// A reduced model, certified by the whole body.
+    Reduced,
+    /// The whole body at every point: the test of the other.
+    Whole,
+}
+
+/// How moduli are searched.
+#[derive(Debug, Clone)]
+pub struct ModuliSearch {
+    /// In what it simulates.
+    pub model: SearchModel,
+    /// Settings of the Gauss-Newton method.
+    pub method: gauss_newton::Settings,
+    /// Standard deviations of the prior of C₂₀/C₁₀ and C₃₀/C₁₀ about the nominal ones.
+    pub stiffening_sigma: [f64; 2],
+    /// Tolerance of an equilibrium of the whole body.
+    pub static_tolerance: f64,
+    /// Equilibria solved in parallel.
+    pub parallel_solves: usize,
+}
+
+/// The least misfit.
+pub struct Minimum {
+    /// The search of the moduli at the stiffening that was found.
+    pub moduli: SearchResult,
+    /// Its names, start and bounds.
+    pub problem: Problem,
+    /// Moduli and stiffening found together; none where the law does not stiffen.
+    pub stiffened: Option<Stiffened>,
+    /// The whole body there.
+    pub levels: Vec<SimulatedLevel>,
+    /// How well the reduced model served; or why none did.
+    pub certificate: Result<Certificate, String>,
+}
+
+/// What one search finds.
+type Found = (SearchResult, Problem, Option<Stiffened>);
+
+impl ModuliSearch {
+    /// Searches the least misfit. The loss then has the stiffening that was found. `progress` is called with what is done.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a method cannot continue or there is no equilibrium.
+    // A body that cannot be reduced, or whose answer the whole body does not have, is searched by the whole body: that takes longer, and the
+    // record says why.
+    pub fn minimise(&self, loss: &mut Loss, progress: &dyn Fn(&str)) -> Result<Minimum> {
+        let nominal = loss.model.nominal.stiffening;
+        let refused = match self.model {
+            SearchModel::Whole => "the settings ask for the whole body".to_owned(),
+            SearchModel::Reduced => match self.certified(loss, nominal, progress) {
+                Ok(minimum) => return Ok(minimum),
+                Err(diagnostic) => diagnostic.what,
+            },
+        };
+        progress("in the whole body");
+        let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
+        let (elastic, (moduli, problem, stiffened)) = self.search(loss, nominal, &mut whole)?;
+        let levels = whole.solve(&elastic, Derivatives::None)?;
+        Ok(Minimum { moduli, problem, stiffened, levels, certificate: Err(refused) })
+    }
+
+    fn certified(&self, loss: &mut Loss, nominal: [f64; 2], progress: &dyn Fn(&str)) -> Result<Minimum> {
+        let by = CertifiedSearch {
+            start: loss.model.nominal.clone(),
+            derivatives: match loss.is_stiffening() {
+                true => Derivatives::StiffeningSensitivities,
+                false => Derivatives::Sensitivities,
+            },
+            discrepancy: loss.misfit.discrepancy(),
+        };
+        let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
+        let round = |number: usize| progress(&format!("in a reduced model, round {number}"));
+        let Certified { found: (moduli, problem, stiffened), levels, certificate, .. } =
+            by.run(&mut whole, &mut |solver| self.search(loss, nominal, solver), &round)?;
+        Ok(Minimum { moduli, problem, stiffened, levels, certificate: Ok(certificate) })
+    }
+
+    /// Searches with one solver, from the `nominal` stiffening.
+    fn search(&self, loss: &mut Loss, nominal: [f64; 2], solver: &mut LevelSolver) -> Result<(Elastic, Found)> {
+        loss.model.nominal.stiffening = nominal;
+        let mut bounds = loss.bounds();
+        let mut problem = loss.problem(bounds.clone())?;
+        let mut stiffened = None;
+        if loss.is_stiffening() {
+            // the stiffening decides how soft a body has an equilibrium
+            let together = StiffeningProblem {
+                model: &loss.model,
+                misfit: &loss.misfit,
+                moduli: &problem,
+                prior_sigma: loss.body.materials[BODY].stiffening_sigma.unwrap_or(self.stiffening_sigma),
+                method: self.method.clone(),
+            };
+            let found = together.identify(solver, &|_| ())?;
+            loss.model.nominal.stiffening = found.ratios;
+            problem = loss.problem_from(bounds.clamp(&found.at[..problem.names().len()]), bounds)?;
+            stiffened = Some(found);
+        } else {
+            bounds.low[0] = feasible_lower_bound(solver, &loss.model.nominal, &bounds)?;
+            problem = loss.problem(bounds)?;
+        }
+        let mut settings = optimisers::Settings::default();
+        settings.gauss_newton = self.method.clone();
+        let moduli = loss.minimise(&problem, (gauss_newton_member()?, &settings), solver)?;
+        Ok((loss.elastic(&moduli.history.best.at), (moduli, problem, stiffened)))
+    }
+}
+
+fn gauss_newton_member() -> Result<&'static optimisers::Member> {
+    optimisers::by_name(gauss_newton::NAME).ok_or_else(|| {
+        Diagnostic::new("identification needs gauss_newton", "`optimize` does not list it", "restore it")
+    })
+}
