@@ -1,6 +1,6 @@
 //! The program `study`: its command line and what it does without the pipeline.
 //!
-//! [`doctor`] inspects recordings before anything is computed, [`init`] creates a specimen, [`track`] tracks markers through any film, [`twin`] exports a tail for a controller.
+//! [`doctor`] inspects recordings before anything is computed, [`init`] creates a specimen, [`meshing`] meshes surfaces, [`track`] tracks markers through any film, [`twin`] exports a tail for a controller.
 //! Every other command calls `study`, `simulate` or `sysid`.
 //!
 //! ```
@@ -13,6 +13,7 @@
 
 pub mod doctor;
 pub mod init;
+pub mod meshing;
 pub mod options;
 pub mod pictures;
 pub mod proposal;

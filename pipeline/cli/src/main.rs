@@ -145,6 +145,10 @@ fn run_command(cli: &Cli) -> Result<bool> {
             output::line(simulate::reduce(&options)?);
             Ok(true)
         }
+        Command::Mesh(asked) => {
+            output::text(cli::meshing::run(asked, cli.place.quiet)?.report);
+            Ok(true)
+        }
         Command::Fit { page, out } => {
             let page = sysid::free_vibration::page(&cli.place.root, page);
             if sysid::inflation_test::is_page(&page) {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::meshing::options::MeshSurfaces;
 use workflow::settings;
 
 /// Recordings in, paper out: tracks, identified materials, validation, figures, tables.
@@ -159,6 +160,9 @@ pub enum Command {
         #[arg(long, value_name = "MODEL.safetensors")]
         out: PathBuf,
     },
+    /// Mesh closed surfaces: a body with inserts that displace it, and cavities, each in an STL file, become quadratic tetrahedra with regions and
+    /// chambers. Prints a report; columns are taken where they divide the body, else the general method, which takes any closed surface.
+    Mesh(MeshSurfaces),
     /// Identify a body from a free vibration test: Young's modulus from its static deflection, damping from the decay. A TOML file
     /// names recordings, markers and a case. The frequency and the first amplitude are then predicted. A file with test = "inflation"
     /// predicts a body whose chamber is inflated in a step, of the material that another fit wrote into the same folder.

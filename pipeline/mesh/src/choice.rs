@@ -3,9 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, TetMesh, mesh, mesh_general,
+    Assembly, Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, TetMesh, mesh, mesh_general,
     mesh_in_hexahedra, mesh_without_sheet, quadratic,
 };
+
+/// Columns whose volumes differ by more from the surfaces' give way to the general method, which follows round sides more closely.
+const AUTO_VOLUME: f64 = 5e-3;
 
 /// Elements of second order that a body is meshed in.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,7 +82,7 @@ pub fn mesh_chosen(
     match (choice, refused) {
         (ElementChoice::Hexahedra(_), Some(why)) => Err(why),
         (_, not_hexahedra) => {
-            let ((linear, report), not_columns) = tetrahedra(body, spine, set)?;
+            let ((linear, report), not_columns) = tetrahedra(&Assembly::of_body(body, spine), set, &|_| ())?;
             Ok(Chosen { solid: quadratic(&linear), report, not_hexahedra, not_columns })
         }
     }
@@ -88,20 +91,38 @@ pub fn mesh_chosen(
 /// A body in tetrahedra, and why not in columns where these were tried first.
 type Tetrahedra = ((TetMesh, Report), Option<MeshError>);
 
+/// Meshes a body with inserts and cavities in tetrahedra, by the method of the settings. `watch` hears of each step.
+///
+/// # Errors
+/// [`MeshError`] of the surfaces, which names the part and the place.
+pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
+    let ((linear, report), not_columns) = tetrahedra(assembly, set, watch)?;
+    Ok(Chosen { solid: quadratic(&linear), report, not_hexahedra: None, not_columns })
+}
+
 /// A body in tetrahedra by the method of the settings.
-fn tetrahedra(body: &Surface, spine: Option<&Surface>, set: &Settings) -> Result<Tetrahedra, MeshError> {
-    let columns = || match spine {
-        Some(spine) => mesh(body, spine, set),
-        None => mesh_without_sheet(body, set),
-    };
+fn tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Tetrahedra, MeshError> {
     match set.method {
-        Method::Columns => Ok((columns()?, None)),
-        Method::General => Ok((mesh_general(body, spine, set)?, None)),
-        Method::Auto => match columns() {
-            Ok(made) => Ok((made, None)),
-            // the general method would take as much
-            Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
-            Err(why) => Ok((mesh_general(body, spine, set)?, Some(why))),
-        },
+        Method::Columns => Ok((columns(assembly, set)?, None)),
+        Method::General => Ok((mesh_general(assembly, set, watch)?, None)),
+        Method::Auto => {
+            match columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
+                Ok(made) => Ok((made, None)),
+                // the general method would take as much
+                Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
+                Err(why) => {
+                    watch("no columns: the general method");
+                    Ok((mesh_general(assembly, set, watch)?, Some(why)))
+                }
+            }
+        }
+    }
+}
+
+fn columns(assembly: &Assembly, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
+    match (assembly.inserts.as_slice(), assembly.cavities.len()) {
+        ([], 0) => mesh_without_sheet(assembly.body, set),
+        ([spine], 0) => mesh(assembly.body, spine, set),
+        (inserts, cavities) => Err(MeshError::ManyParts { inserts: inserts.len(), cavities }),
     }
 }

@@ -1,64 +1,185 @@
 //! Meshing of bodies of any shape, by the crate `tetrahedralize`: no plan, no order of layers.
+//!
+//! A mesh is judged by its angles and its distance from the surfaces. Where it misses what is aimed at it is made again with another lattice or a
+//! closer envelope, and the best one is taken: operations that keep validity promise no quality, and another start mostly reaches it.
 
+use crate::columns::check_size;
 use crate::foreign::RawMesh;
+use crate::quality::dihedral_quantile;
 use crate::validate::{self, Limits, Reference};
-use crate::{MeshError, Report, Settings, Solid, Surface, TetMesh};
-use tetrahedralize::{Fill, Part, tetrahedralize};
+use crate::{Assembly, MeshError, Report, Settings, Solid, Surface, TetMesh};
+use tetrahedralize::tetrahedralize_watched;
 
-/// Meshes a body, and the sheet in it if it has one, whatever its shape. Only whole bodies are meshed.
+/// Times that a body is meshed.
+const ATTEMPTS: usize = 3;
+/// The smallest angle of all elements and of all but one in a thousand that are aimed at, degrees.
+const LEAST_ANGLE: f64 = 1.0;
+const USUAL_ANGLE: f64 = 5.0;
+/// A further attempt is worth its time where the last one came nearer by this factor.
+const WORTH: f64 = 0.95;
+/// Edge of the next lattice over the last one's.
+const OTHER_LATTICE: f64 = 0.93;
+
+/// A mesh with its report, and how far it misses what is aimed at: 1 and less where it does not.
+struct Candidate {
+    mesh: TetMesh,
+    report: Report,
+    miss: f64,
+}
+
+/// Meshes a body with its inserts and cavities, whatever their shapes. Only whole bodies are meshed. `watch` hears of each step.
 ///
 /// Chambers are numbered along x, y, z of their centroids, as those of mesh files are.
 ///
 /// # Errors
 /// [`MeshError`], which names the part and the place; before anything is made, when that would take too much memory.
 pub(crate) fn mesh_general(
-    body: &Surface,
-    spine: Option<&Surface>,
+    assembly: &Assembly,
     set: &Settings,
+    watch: &dyn Fn(&str),
 ) -> Result<(TetMesh, Report), MeshError> {
-    let parts: Vec<Part> = [Some(body), spine].into_iter().flatten().zip(0..).map(|(s, r)| part(s, r)).collect();
-    let tetrahedra = tetrahedralize(&parts, &tetrahedralize::Settings::new(set.edge))?;
+    let mut wishes = tetrahedralize::Settings::new(set.edge);
+    let parts = assembly.inserts.iter().map(|s| ("insert", *s)).chain(assembly.cavities.iter().map(|s| ("cavity", *s)));
+    let named: Vec<(&'static str, &Surface)> = std::iter::once(("body", assembly.body)).chain(parts).collect();
+    check_size(&named, set)?;
+    let visible = assembly.visible(set.edge);
+    let (aim, mut best, mut refusal) = (wishes.envelope, None::<Candidate>, None);
+    for attempt in 0..ATTEMPTS {
+        if attempt > 0 {
+            watch(&format!(
+                "once more with edges of {:.3} mm and an envelope of {:.4} mm",
+                wishes.edge * 1e3,
+                wishes.envelope * 1e3
+            ));
+        }
+        match candidate((assembly, visible.as_ref()), set, &wishes, watch) {
+            Ok(latest) if latest.miss <= 1.0 => return Ok((latest.mesh, latest.report)),
+            Ok(latest) => {
+                wishes = closer(wishes, latest.report.hausdorff_m / aim);
+                let former_miss = best.as_ref().map_or(f64::INFINITY, |b| b.miss);
+                let nearer = latest.miss < WORTH * former_miss;
+                if latest.miss < former_miss {
+                    best = Some(latest);
+                }
+                if !nearer {
+                    break;
+                }
+            }
+            // no other lattice changes what these say
+            Err(why @ MeshError::General(_)) => return Err(why),
+            Err(why) => {
+                refusal.get_or_insert(why);
+                wishes = closer(wishes, 1.0);
+            }
+        }
+    }
+    match (best, refusal) {
+        (Some(candidate), _) => Ok((candidate.mesh, candidate.report)),
+        (None, why) => Err(why.unwrap_or(MeshError::Nothing)),
+    }
+}
+
+/// Settings of another attempt, after one whose distance was so many times the one aimed at.
+fn closer(wishes: tetrahedralize::Settings, distance: f64) -> tetrahedralize::Settings {
+    match distance > 1.0 {
+        true => tetrahedralize::Settings { envelope: 0.93 * wishes.envelope / distance, ..wishes },
+        false => tetrahedralize::Settings { edge: OTHER_LATTICE * wishes.edge, ..wishes },
+    }
+}
+
+fn candidate(
+    (assembly, visible): (&Assembly, Option<&Surface>),
+    set: &Settings,
+    wishes: &tetrahedralize::Settings,
+    watch: &dyn Fn(&str),
+) -> Result<Candidate, MeshError> {
+    let tetrahedra = tetrahedralize_watched(&assembly.parts(), wishes, watch)?;
     let repairs = tetrahedra.repairs.iter().map(ToString::to_string).collect();
     let raw = RawMesh::of_tetrahedra(tetrahedra.nodes, &tetrahedra.tets, &tetrahedra.regions);
     let mesh = match raw.check(1.0, false).map_err(|defect| MeshError::Defect { message: defect.to_string() })?.solid {
         Solid::Linear(mesh) => mesh,
         Solid::Quadratic(mesh) => Solid::Quadratic(mesh).to_linear(),
     };
-    let report = report(&mesh, (body, spine), set)?;
-    Ok((mesh, Report { repairs, ..report }))
-}
-
-fn part(surface: &Surface, region: u16) -> Part {
-    Part { points: surface.points.clone(), faces: surface.faces.clone(), fill: Fill::Region(region) }
+    let report = Report { repairs, ..report(&mesh, (assembly, visible), set)? };
+    let aim = tetrahedralize::Settings::new(set.edge).envelope;
+    let angles = (LEAST_ANGLE / report.min_dihedral_deg).max(USUAL_ANGLE / dihedral_quantile(&mesh, 1e-3));
+    let miss = angles.max(report.hausdorff_m / aim);
+    Ok(Candidate { mesh, report, miss })
 }
 
 /// Compares the mesh with its surfaces; the volumes only where these are closed.
-fn report(mesh: &TetMesh, (body, spine): (&Surface, Option<&Surface>), set: &Settings) -> Result<Report, MeshError> {
-    let none = Surface::default();
+fn report(
+    mesh: &TetMesh,
+    (assembly, visible): (&Assembly, Option<&Surface>),
+    set: &Settings,
+) -> Result<Report, MeshError> {
     let solid = Solid::Linear(mesh.clone());
     let cavities: Vec<f64> = crate::cavities(&solid).iter().map(|cavity| cavity.volume).collect();
-    let closed = body.shells().ok().filter(|_| spine.is_none_or(|s| s.shells().is_ok()));
-    if let (Some((shells, _)), None) = (&closed, spine) {
+    if let ([], [], Ok((shells, _))) =
+        (assembly.inserts.as_slice(), assembly.cavities.as_slice(), assembly.body.shells())
+    {
         let expected = shells.iter().filter(|shell| shell.volume < 0.0).count();
         if expected != cavities.len() {
             return Err(MeshError::Chambers { expected, found: cavities.len() });
         }
     }
-    let volume = if closed.is_some() { set.volume_limit } else { f64::INFINITY };
-    let limits = Limits { volume, distance: set.distance_limit * set.edge };
-    let reference = Reference { body, spine: spine.unwrap_or(&none), cavities: &cavities };
-    Ok(validate::validate(mesh, &reference, &limits)?)
+    // a cavity's surface is one of the body's, seen from the other side
+    let cavity_faces: Vec<Surface> = assembly.cavities.iter().map(|cavity| turned(cavity)).collect();
+    let body = joined(std::iter::once(assembly.body).chain(&cavity_faces));
+    let inserts = joined(assembly.inserts.iter().copied());
+    let limits = Limits { volume: f64::INFINITY, distance: set.distance_limit * set.edge };
+    let report =
+        validate::validate(mesh, &Reference { body: &body, spine: &inserts, cavities: &cavities, visible }, &limits)?;
+    for (region, expected) in assembly.expected_volumes().into_iter().enumerate() {
+        check_volume(mesh, (region as u16, expected), set.volume_limit)?;
+    }
+    Ok(report)
+}
+
+/// A surface whose normals look the other way.
+fn turned(surface: &Surface) -> Surface {
+    let faces = surface.faces.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+    Surface { points: surface.points.clone(), faces }
+}
+
+/// Surfaces as one.
+fn joined<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> Surface {
+    let mut all = Surface::default();
+    for surface in surfaces {
+        let first = all.points.len() as u32;
+        all.points.extend(&surface.points);
+        all.faces.extend(surface.faces.iter().map(|f| f.map(|n| n + first)));
+    }
+    all
+}
+
+fn check_volume(mesh: &TetMesh, (region, expected): (u16, Option<f64>), limit: f64) -> Result<(), MeshError> {
+    let Some(expected) = expected else { return Ok(()) };
+    let volume = mesh.region_volume(region);
+    let difference = (volume / expected - 1.0).abs();
+    if difference <= limit {
+        return Ok(());
+    }
+    let part = if region == 0 { "body".to_owned() } else { format!("insert {region}") };
+    Err(MeshError::Invalid(validate::ValidationError::Volume {
+        part,
+        mesh_mm3: volume * 1e9,
+        surface_mm3: expected * 1e9,
+        percent: 100.0 * difference,
+        limit_percent: 100.0 * limit,
+    }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Surface;
     use crate::surface::tests::{block, with_cavity};
 
     #[test]
     fn a_box_with_a_cavity_is_filled_and_its_chamber_is_named() {
         let body = with_cavity(block([0.0; 3], [0.03, 0.02, 0.02]), [0.004; 3], [0.02, 0.016, 0.016]);
-        let (mesh, report) = mesh_general(&body, None, &Settings::new(4e-3)).unwrap();
+        let (mesh, report) = mesh_general(&Assembly::of_body(&body, None), &Settings::new(4e-3), &|_| ()).unwrap();
         assert_eq!(mesh.chambers(), 1);
         assert!((report.volume_body / report.volume_body_stl - 1.0).abs() < 1e-3);
         assert!(report.min_dihedral_deg > 5.0 && report.hausdorff_m < 2e-4);
@@ -68,7 +189,8 @@ mod tests {
     fn a_body_around_a_sheet_has_two_regions_with_a_common_face() {
         let sheet = [[0.005, 0.008, 0.004], [0.025, 0.012, 0.016]];
         let body = with_cavity(block([0.0; 3], [0.03, 0.02, 0.02]), sheet[0], sheet[1]);
-        let (_, report) = mesh_general(&body, Some(&block(sheet[0], sheet[1])), &Settings::new(4e-3)).unwrap();
+        let spine: Surface = block(sheet[0], sheet[1]);
+        let (_, report) = mesh_general(&Assembly::of_body(&body, Some(&spine)), &Settings::new(4e-3), &|_| ()).unwrap();
         assert!((report.volume_spine / 9.6e-7 - 1.0).abs() < 1e-3);
         assert!((report.interface_area / 7.36e-4 - 1.0).abs() < 1e-3);
     }

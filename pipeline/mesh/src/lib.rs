@@ -5,6 +5,7 @@
 //! | STL files to welded [`Surface`]s, and back | [`stl`] |
 //! | a body and a plane sheet to a [`TetMesh`] | [`mesh`], [`mesh_without_sheet`] |
 //! | bodies of any shape | [`mesh_chosen`] with [`Method::General`] |
+//! | a body with inserts and cavities | [`mesh_assembly`], [`Measures`] |
 //! | columns over a triangulated plan | [`stack`] |
 //! | ten-node elements | [`quadratic`] |
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
@@ -32,6 +33,7 @@
 //!
 //! Depends on `si`, `tetrahedralize` (bodies that are no columns), spade (constrained Delaunay triangulation of the plan) and the parsers of the file formats.
 
+mod assembly;
 mod cavities;
 mod choice;
 mod columns;
@@ -42,6 +44,7 @@ pub mod foreign;
 pub mod frame;
 mod general;
 mod hexahedra;
+mod measures;
 mod method;
 mod quadratic;
 mod quadratic_face;
@@ -57,12 +60,14 @@ mod validate;
 pub mod vtu;
 pub mod wall;
 
+pub use assembly::Assembly;
 pub use cavities::{Cavity, cavities};
-pub use choice::{Chosen, ElementChoice, ElementName, mesh_chosen};
+pub use choice::{Chosen, ElementChoice, ElementName, mesh_assembly, mesh_chosen};
 pub(crate) use columns::mesh_in_hexahedra;
 pub use columns::{Grading, LayeredBody, MeshError, Settings, Slab, layers_in_hexahedra, mesh, mesh_without_sheet};
 pub use embed::{Spot, embed};
 pub(crate) use general::mesh_general;
+pub use measures::{Interface, Measures, RegionMeasures};
 pub use method::Method;
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
 pub use quadratic_face::QuadraticFace;

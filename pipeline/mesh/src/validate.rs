@@ -64,7 +64,7 @@ pub enum ValidationError {
     },
     /// A volume that differs from the surface's.
     #[error(
-        "the mesh's {part} has {mesh_mm3:.1} mm³ where the surface encloses {surface_mm3:.1} mm³\n  why: it differs by {percent:.2} %; the limit is {limit_percent:.2} % of the surface's\n  do:  take a shorter edge, or look for a part thinner than the tolerance"
+        "the mesh's {part} has {mesh_mm3:.1} mm³ where the surface encloses {surface_mm3:.1} mm³\n  why: it differs by {percent:.2} %; the limit is {limit_percent:.2} % of the surface's\n  do:  take a shorter edge, or the method general; or look for a part thinner than the tolerance"
     )]
     Volume {
         /// Which part.
@@ -79,7 +79,7 @@ pub enum ValidationError {
         limit_percent: f64,
     },
     /// A boundary too far from the surfaces.
-    #[error("the mesh's boundary is {:.3} mm from the surfaces near {}\n  why: the limit is {:.3} mm (Settings::distance_limit times edge)\n  do:  take a shorter edge", .distance * 1e3, crate::surface::place(.at), .limit * 1e3)]
+    #[error("the mesh's boundary is {:.3} mm from the surfaces near {}\n  why: the limit is {:.3} mm (Settings::distance_limit times edge)\n  do:  take the method general, which follows round and slanted sides; a shorter edge has a shorter limit, too", .distance * 1e3, crate::surface::place(.at), .limit * 1e3)]
     Distance {
         /// How far, m.
         distance: Metre,
@@ -101,6 +101,8 @@ pub(crate) struct Reference<'a> {
     pub spine: &'a Surface,
     /// Inner volumes by chamber, m³.
     pub cavities: &'a [CubicMetre],
+    /// What of the surfaces the mesh is to show, where it is not all.
+    pub visible: Option<&'a Surface>,
 }
 
 /// Limits of the validation.
@@ -116,14 +118,15 @@ pub(crate) struct Limits {
 /// # Errors
 /// [`ValidationError`] when a limit is passed.
 pub(crate) fn validate(mesh: &TetMesh, reference: &Reference, limits: &Limits) -> Result<Report, ValidationError> {
-    let Reference { body, spine, cavities } = *reference;
+    let Reference { body, spine, cavities, .. } = *reference;
     if let Some(tet) = (0..mesh.tets.len()).find(|&t| mesh.volume(t) <= 0.0) {
         return Err(ValidationError::InvertedElement { tet, volume_mm3: mesh.volume(tet) * 1e9 });
     }
     let whole = if mesh.half { 2.0 } else { 1.0 };
     let interface = interface(mesh);
     let (min_dihedral_deg, max_dihedral_deg) = dihedral_range(mesh);
-    let (hausdorff_m, at) = hausdorff(mesh, &interface, [body, spine]);
+    let ways = hausdorff(mesh, &interface, &[body, spine], reference.visible);
+    let (hausdorff_m, at) = if ways[0].0 > ways[1].0 { ways[0] } else { ways[1] };
     let report = Report {
         nodes: mesh.nodes.len(),
         tets: mesh.tets.len(),
@@ -173,7 +176,7 @@ fn check_volumes(report: &Report, cavities: &[f64], limit: f64) -> Result<(), Va
     Ok(())
 }
 
-fn area(mesh: &TetMesh, face: &[u32; 3]) -> SquareMetre {
+pub(crate) fn area(mesh: &TetMesh, face: &[u32; 3]) -> SquareMetre {
     let [a, b, c] = face.map(|n| mesh.nodes[n as usize]);
     norm(cross(sub(b, a), sub(c, a))) / 2.0
 }
@@ -199,6 +202,11 @@ fn chamber(mesh: &TetMesh, chamber: u16) -> Chamber {
 
 /// Faces between body and spine.
 fn interface(mesh: &TetMesh) -> Vec<[u32; 3]> {
+    interfaces(mesh).into_iter().map(|(face, _)| face).collect()
+}
+
+/// Faces between unlike regions, with the regions in rising order.
+pub(crate) fn interfaces(mesh: &TetMesh) -> Vec<([u32; 3], [u16; 2])> {
     let mut sides = Vec::with_capacity(4 * mesh.tets.len());
     for (tet, &region) in mesh.tets.iter().zip(&mesh.regions) {
         for face in FACES {
@@ -209,11 +217,17 @@ fn interface(mesh: &TetMesh) -> Vec<[u32; 3]> {
     }
     sides.sort_unstable();
     let between = sides.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2 && pair[0].1 != pair[1].1);
-    between.map(|pair| pair[0].0).collect()
+    between.map(|pair| (pair[0].0, [pair[0].1, pair[1].1])).collect()
 }
 
-/// Largest distance between surfaces and mesh, sampled at corners, middles of edges and of faces, and where it is.
-fn hausdorff(mesh: &TetMesh, interface: &[[u32; 3]], surfaces: [&Surface; 2]) -> (Metre, Point3) {
+/// Largest distances of the surfaces from the mesh and of the mesh from the surfaces, sampled at corners, middles of edges and of faces, and where
+/// they are; of the surfaces what is visible alone, where that is given.
+pub(crate) fn hausdorff(
+    mesh: &TetMesh,
+    interface: &[[u32; 3]],
+    surfaces: &[&Surface],
+    visible: Option<&Surface>,
+) -> [(Metre, Point3); 2] {
     let skin = mesh.skin.iter().filter(|f| f.on != Skin::Symmetry).map(|f| f.nodes);
     let own: Vec<[Point3; 3]> =
         skin.chain(interface.iter().copied()).map(|f| f.map(|n| mesh.nodes[n as usize])).collect();
@@ -222,9 +236,14 @@ fn hausdorff(mesh: &TetMesh, interface: &[[u32; 3]], surfaces: [&Surface; 2]) ->
     let given: Vec<[Point3; 3]> = given.filter(|c| !mesh.half || c.iter().any(|p| p[2] >= 0.0)).collect();
     let (to_own, to_given) = (Nearest::new(own.clone()), Nearest::new(given.clone()));
     let fold = |p: Point3| if mesh.half { [p[0], p[1], p[2].abs()] } else { p };
-    let to_mesh = given.iter().map(|c| farthest(&to_own, c, fold));
-    let to_surface = own.iter().map(|c| farthest(&to_given, c, |p| p));
-    to_mesh.chain(to_surface).fold((0.0, [0.0; 3]), |worst, d| if d.0 > worst.0 { d } else { worst })
+    let worst = |distances: &mut dyn Iterator<Item = (Metre, Point3)>| {
+        distances.fold((0.0, [0.0; 3]), |worst, d| if d.0 > worst.0 { d } else { worst })
+    };
+    let shown = visible.map(|surface| (0..surface.faces.len()).map(|f| surface.corners(f)).collect::<Vec<_>>());
+    [
+        worst(&mut shown.as_ref().unwrap_or(&given).iter().map(|c| farthest(&to_own, c, fold))),
+        worst(&mut own.iter().map(|c| farthest(&to_given, c, |p| p))),
+    ]
 }
 
 fn farthest(near: &Nearest, &[a, b, c]: &[Point3; 3], fold: impl Fn(Point3) -> Point3) -> (Metre, Point3) {

@@ -313,7 +313,7 @@ fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
         unit,
         order,
         elements: ElementName::default(),
-        method: Method::default(),
+        method: Method::Auto,
         half,
         finer: 1.0,
     }

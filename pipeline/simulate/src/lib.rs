@@ -53,7 +53,7 @@ pub use path::FollowedPath;
 use probes::Table;
 pub use probes::{Probe, probes};
 pub use reduction::{NamedRange, ReduceOptions, reduce};
-pub use solid::{Loaded, load, raw_mesh, tables};
+pub use solid::{Loaded, load, raw_mesh, read_surface, tables};
 pub use statics::{Converged, Levels, LostLevel};
 
 /// The summary of a simulation.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use mesh::foreign::{self, NamedSurface, RawMesh, Region};
 use mesh::{Cavity, Grading, Method, Solid, Surface};
 
-use crate::case::{Case, Order, Source};
+use crate::case::{Case, Order, Source, Unit};
 use crate::force_table::{self, ForceTable};
 use diagnostics::{Diagnostic, Result, input};
 
@@ -93,11 +93,16 @@ pub fn raw_mesh(path: &Path) -> Result<RawMesh> {
     foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))
 }
 
+/// The surface in an STL file whose numbers have a unit.
+///
+/// # Errors
+/// A [`Diagnostic`] that names the file.
+pub fn read_surface(path: &Path, unit: Unit) -> Result<Surface> {
+    mesh::stl::read(&bytes(path)?, unit.metres()).map_err(|error| named(path, error))
+}
+
 fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
-    let surface = |name: &str| -> Result<Surface> {
-        let path = folder.join(name);
-        mesh::stl::read(&bytes(&path)?, mesh.unit.metres()).map_err(|error| named(&path, error))
-    };
+    let surface = |name: &str| read_surface(&folder.join(name), mesh.unit);
     let body = surface(mesh.body.as_deref().unwrap_or_default())?;
     let spine = mesh.spine.as_deref().map(surface).transpose()?;
     let edge = mesh.edge.unwrap_or_default() / mesh.finer;

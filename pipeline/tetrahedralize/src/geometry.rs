@@ -52,6 +52,11 @@ pub(crate) fn flatness(corners: [Point3; 3]) -> f64 {
     if longest > 0.0 { norm(normal(corners)) / (longest * longest) } else { 0.0 }
 }
 
+/// Least height of a triangle.
+pub(crate) fn least_height([a, b, c]: [Point3; 3]) -> f64 {
+    flatness([a, b, c]) * distance(a, b).max(distance(b, c)).max(distance(c, a))
+}
+
 /// The point of a triangle nearest to `at` [ericson2005, section 5.1.5].
 pub(crate) fn nearest_on_triangle(at: Point3, [a, b, c]: [Point3; 3]) -> Point3 {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(at, a));
@@ -106,7 +111,7 @@ pub(crate) fn distortion(corners: [Point3; 4]) -> f64 {
         return f64::INFINITY;
     }
     // ‖J‖³ / (3√3 det J) with ‖J‖² = ½ Σ l², det J = 6 V √2
-    (0.5 * sum).powf(1.5) / (27f64.sqrt() * std::f64::consts::SQRT_2 * volume)
+    (0.5 * sum) * (0.5 * sum).sqrt() / (27f64.sqrt() * std::f64::consts::SQRT_2 * volume)
 }
 
 /// The six dihedral angles of a tetrahedron, rad.

@@ -136,9 +136,28 @@ fn split_on(complex: &mut Complex, edge: [u32; 2], plane: &Plane) -> bool {
     }
     let node = complex.add_point(crossing_point);
     let (ring, halves) = complex.bisected(edge, node);
-    let positive = halves.iter().all(|(nodes, _)| orientation(complex.places(*nodes)) > 0.0);
+    // beside elements that are flat to rounding the point is not where it was meant to be: one near it will do
+    let positive = shifts(ends, plane.near).any(|by| {
+        complex.points[node as usize] = add(crossing_point, by);
+        halves.iter().all(|(nodes, _)| orientation(complex.places(*nodes)) > 0.0)
+    });
     if positive {
         complex.replace(&ring, &halves);
     }
     positive
+}
+
+/// No shift, then some of less than a length in all directions, the smallest first.
+fn shifts([p, q]: [Point3; 2], near: f64) -> impl Iterator<Item = Point3> {
+    let along = unit(sub(q, p));
+    let least = (0..3).min_by(|i, j| along[*i].abs().total_cmp(&along[*j].abs())).unwrap_or(0);
+    let across = unit(cross(along, [0, 1, 2].map(|k| f64::from(u8::from(k == least)))));
+    let directions = [along, across, cross(along, across)];
+    let small = [1e-4, 1e-2, 0.3].into_iter().flat_map(move |share| {
+        (0..26).map(move |i| {
+            let signs = [i / 9, i / 3 % 3, i % 3].map(|digit| [1.0, -1.0, 0.0][digit] * share * near);
+            directions.iter().zip(signs).fold([0.0; 3], |sum, (axis, sign)| add(sum, scale(*axis, sign)))
+        })
+    });
+    std::iter::once([0.0; 3]).chain(small)
 }

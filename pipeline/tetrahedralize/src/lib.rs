@@ -8,6 +8,7 @@
 //! |------|------|
 //! | surfaces with what fills them | [`Part`], [`Fill`] |
 //! | lengths and limits | [`Settings`] |
+//! | inside and outside | [`Winding`] |
 //! | tetrahedra | [`tetrahedralize`], [`Tetrahedra`] |
 //!
 //! The constrained Delaunay alternative (a facet is recovered exactly, or the surface is refused) takes clean surfaces only. Isosurface stuffing needs cells as small as the thinnest wall in every direction.
@@ -42,10 +43,12 @@ mod refusal;
 mod remesh;
 mod topology;
 mod tree;
+mod winding;
 
 pub use orient::Repair;
-pub use pipeline::tetrahedralize;
+pub use pipeline::{tetrahedralize, tetrahedralize_watched};
 pub use refusal::Refusal;
+pub use winding::Winding;
 
 use si::{CubicMetre, Metre, Point3};
 

@@ -44,6 +44,14 @@ struct Skin {
 /// # Errors
 /// [`Refusal`], which names the part, the face or the place; before anything is made, when that would take too much memory.
 pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refusal> {
+    tetrahedralize_watched(parts, set, &|_| ())
+}
+
+/// As [`tetrahedralize`]; `watch` is called when a step is done, with what was done and the number of elements then.
+///
+/// # Errors
+/// As [`tetrahedralize`].
+pub fn tetrahedralize_watched(parts: &[Part], set: &Settings, watch: &dyn Fn(&str)) -> Result<Tetrahedra, Refusal> {
     check(parts, set)?;
     let oriented: Vec<(Part, Vec<Repair>)> = parts.iter().map(|part| orient(&without_degenerate(part))).collect();
     let (parts, repairs): (Vec<Part>, Vec<Vec<Repair>>) = oriented.into_iter().unzip();
@@ -52,6 +60,7 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let set = &Settings { envelope: MARGIN * set.envelope, ..*set };
     let envelope = Envelope::new(&triangles, set.edge);
     let (skin, space) = remeshed(parts, &envelope, set);
+    watch(&format!("surfaces remeshed: {} triangles", skin.faces.len()));
     let places: Vec<[Point3; 3]> = skin.faces.iter().map(|f| f.map(|n| skin.points[n as usize])).collect();
     let tree = Tree::new(&places);
     let minimum = |values: &[f64]| -> Vec<f64> {
@@ -66,6 +75,7 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     if complex.alive().next().is_none() {
         return Err(Refusal::Nothing { at: triangles[0][0] });
     }
+    watch(&format!("surfaces inserted: {} tetrahedra", complex.alive().count()));
     let (on_skin, _) = complex.whole_skin();
     let node_size = complex.points.iter().map(|p| field.value(*p)[0]).collect();
     let allowed = |p: &Point3| tree.nearest(*p, f64::INFINITY).map_or(0.0, |near| slack[near.triangle as usize]);
@@ -74,7 +84,7 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let corners = Tree::new(&skin.corners.iter().map(|a| [*a; 3]).collect::<Vec<_>>());
     let mut improve =
         Improve { complex, size: node_size, slack: node_slack, on_skin, envelope: &envelope, lines, corners };
-    improve.run(set.rounds);
+    improve.run(set.rounds, watch);
     Ok(Tetrahedra { repairs: repairs.concat(), ..compact(&improve.complex) })
 }
 
@@ -124,7 +134,7 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space
     let mut surfaces = Vec::new();
     for part in parts {
         let envelope = Envelope::new(&part.triangles(), set.edge);
-        let mut surface = Remesh::new(part.points.clone(), part.faces.clone(), &envelope);
+        let mut surface = Remesh::new((part.points.clone(), part.faces.clone()), &envelope, 0.4 * set.edge);
         surface.run(&sizing);
         let (points, faces, size, slack) = surface.finish();
         let (lines, corners) = surface.features();

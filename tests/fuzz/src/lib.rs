@@ -36,6 +36,7 @@ pub struct Target {
 pub const TARGETS: &[Target] = &[
     Target { name: "mp4", run: mp4 },
     Target { name: "stl", run: stl },
+    Target { name: "stl_pair", run: stl_pair },
     Target { name: "gmsh", run: |bytes| checked(foreign::gmsh(bytes)) },
     Target { name: "vtu", run: |bytes| checked(foreign::vtu(bytes)) },
     Target { name: "vtk", run: |bytes| checked(foreign::vtk(bytes)) },
@@ -154,6 +155,24 @@ fn checked(read: Result<RawMesh, MeshFileError>) {
 fn tetgen(bytes: &[u8]) {
     let middle = bytes.iter().position(|byte| *byte == BETWEEN).unwrap_or(bytes.len());
     checked(foreign::tetgen(&bytes[..middle], bytes.get(middle + 1..).unwrap_or_default()));
+}
+
+/// A body and an insert, parted by the first `|` line: meshed by the general method when both are small.
+fn stl_pair(bytes: &[u8]) {
+    const PARTED: &[u8] = b"\n|\n";
+    let cut = bytes.windows(PARTED.len()).position(|window| window == PARTED);
+    let (first, second) = cut.map_or((bytes, &[][..]), |at| (&bytes[..at], &bytes[at + PARTED.len()..]));
+    let read = |bytes: &[u8]| mesh::stl::read(bytes, 1e-3).ok().filter(|surface| surface.faces.len() < 400);
+    let Some(body) = read(first) else { return };
+    let insert = read(second);
+    // coarse, so that an input takes a fraction of a second
+    let edge = body.length().max(insert.as_ref().map_or(0.0, mesh::Surface::length)) / 4.0;
+    let set = mesh::Settings { method: mesh::Method::General, ..mesh::Settings::new(edge) };
+    let parts = mesh::Assembly { body: &body, inserts: insert.iter().collect(), cavities: Vec::new() };
+    if let Ok(chosen) = mesh::mesh_assembly(&parts, &set, &|_| ()) {
+        let mesh = chosen.solid.into_corners();
+        assert!((0..mesh.tets.len()).all(|tet| mesh.volume(tet) > 0.0), "an element is inverted");
+    }
 }
 
 fn stl(bytes: &[u8]) {

@@ -68,7 +68,7 @@ pub enum MeshError {
         limit: Metre,
     },
     /// A line that enters a solid more often than it leaves it.
-    #[error("the {role} surface is crossed an odd number of times near {}\n  why: a line along the sheet's normal must leave a solid as often as it enters it\n  do:  look for faces there that fold over or cut each other, or for a shell turned inside out", place(.at))]
+    #[error("the {role} is no stack of layers near {}: a column there enters it and does not leave it\n  why: its side is rounded or slanted there, or faces fold over or cut each other; columns need sides along them\n  do:  take the method general or auto, which take any closed surface; if that refuses it too, look at the faces there", place(.at))]
     OddCrossings {
         /// `body` or `spine`.
         role: &'static str,
@@ -76,7 +76,7 @@ pub enum MeshError {
         at: Point3,
     },
     /// Layers without a common order.
-    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is not a stack of layers over the sheet\n  do:  mesh it with gmsh, TetGen or TetWild, and name that file in a case ([mesh] file)", place(.lower), place(.upper))]
+    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is not a stack of layers over the sheet\n  do:  take the method general or auto, which take any closed surface", place(.lower), place(.upper))]
     NoCommonOrder {
         /// A point of one layer, m.
         lower: Point3,
@@ -84,12 +84,22 @@ pub enum MeshError {
         upper: Point3,
     },
     /// Outlines that cross when they are drawn with edges of the target length.
-    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts are closer to each other than the largest distance of an edge from its outline\n  do:  take a shorter edge", place(.at), .edge * 1e3)]
+    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts are closer to each other than the largest distance of an edge from its outline\n  do:  take a shorter edge, or the method general or auto", place(.at), .edge * 1e3)]
     CrossingOutlines {
         /// Where, m.
         at: Point3,
         /// Length of edges, m.
         edge: Metre,
+    },
+    /// More parts than columns take.
+    #[error(
+        "columns cannot be made of a body with {inserts} inserts and {cavities} cavities in files of their own\n  why: they take a body with one sheet in it, or with none\n  do:  take the method general, or auto"
+    )]
+    ManyParts {
+        /// Inserts.
+        inserts: usize,
+        /// Cavities.
+        cavities: usize,
     },
     /// Nothing to mesh.
     #[error(

@@ -15,7 +15,7 @@ const THIN: f64 = 3.0;
 ///
 /// # Errors
 /// [`MeshError::Surface`], [`MeshError::Settings`] or [`MeshError::TooLarge`].
-pub(super) fn check(parts: &[(&'static str, &Surface)], set: &Settings) -> Result<(), MeshError> {
+pub(crate) fn check(parts: &[(&'static str, &Surface)], set: &Settings) -> Result<(), MeshError> {
     for &(role, surface) in parts {
         surface.check().map_err(|source| MeshError::Surface { role, source })?;
     }

@@ -26,6 +26,7 @@ pub(crate) mod symmetry;
 mod tests;
 
 pub use error::MeshError;
+pub(crate) use estimate::check as check_size;
 pub use grid::{Grading, LayeredBody, Slab, layers_in_hexahedra};
 
 use crate::frame::Frame;
@@ -184,7 +185,11 @@ impl<'a> Survey<'a> {
     fn validated(&self, tetrahedra: &TetMesh, set: &Settings) -> Result<Report, MeshError> {
         let [body, spine] = self.parts.each_ref().map(|p| p.surface);
         let limits = Limits { volume: set.volume_limit, distance: set.distance_limit * set.edge };
-        Ok(validate::validate(tetrahedra, &Reference { body, spine, cavities: &self.chambers.volumes }, &limits)?)
+        Ok(validate::validate(
+            tetrahedra,
+            &Reference { body, spine, cavities: &self.chambers.volumes, visible: None },
+            &limits,
+        )?)
     }
 }
 

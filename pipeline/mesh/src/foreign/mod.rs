@@ -6,6 +6,8 @@
 //!
 //! [`RawMesh::check_hexahedra`] does the same for hexahedra of 8 or 20 nodes, which `.msh` and `.vtu` may hold in the place of tetrahedra.
 //!
+//! [`write_gmsh`] and [`write_medit`] write meshes of our own for other programs.
+//!
 //! In a [`RawMesh`], ten-node elements have the mid-edge nodes of 01, 12, 02, 03, 13, 23, whatever the file's own order.
 
 mod arrays;
@@ -29,6 +31,7 @@ mod tokens;
 mod vtk;
 mod vtk_cells;
 mod vtu;
+mod writers;
 
 use std::path::Path;
 
@@ -43,6 +46,7 @@ pub use surfaces::{NamedSurface, surface};
 pub use tetgen::tetgen;
 pub use vtk::vtk;
 pub use vtu::vtu;
+pub use writers::{write_gmsh, write_medit};
 
 /// The draft in the `bytes` of a file, by the ending of its name; `nodes` are the bytes of TetGen's other file, which is named
 /// like this one but for its ending.

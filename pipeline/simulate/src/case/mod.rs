@@ -101,8 +101,8 @@ pub struct Source {
     /// Elements for STL files; tetrahedra when it is not said.
     #[serde(default)]
     pub elements: ElementName,
-    /// How tetrahedra are made from STL files; in columns when it is not said.
-    #[serde(default)]
+    /// How tetrahedra are made from STL files; in columns where they divide the body, else by the general method, when it is not said.
+    #[serde(default = "automatic")]
     pub method: Method,
     /// Whether the half z ≥ 0 of a symmetric body is simulated.
     #[serde(default)]
@@ -110,6 +110,10 @@ pub struct Source {
     /// By how much cells made from STL files are shorter than the case says: for a certificate of resolution.
     #[serde(skip, default = "same_length")]
     pub finer: f64,
+}
+
+fn automatic() -> Method {
+    Method::Auto
 }
 
 fn same_length() -> f64 {

@@ -1,7 +1,7 @@
 //! Collapses: of short edges for the target length, of any edge of a poor element for quality.
 
 use super::{Improve, POOR};
-use crate::geometry::distortion;
+use crate::geometry::{distortion, orientation};
 use crate::insertion::EDGES;
 use crate::remesh::{Kind, LONG, SHORT};
 
@@ -46,14 +46,11 @@ impl Improve<'_> {
             return false;
         }
         let star = self.complex.star(gone).to_vec();
-        let worst_distortion = self.worst_of(&star);
-        let mut new = Vec::with_capacity(star.len());
-        for tet in star.iter().filter(|t| !ring.contains(t)) {
-            let nodes = self.complex.tets[*tet as usize].map(|n| if n == gone { kept } else { n });
-            if self.distortion(nodes) > limit.max(0.999 * worst_distortion) {
-                return false;
-            }
-            new.push((nodes, self.complex.labels[*tet as usize]));
+        let survivors = star.iter().filter(|t| !ring.contains(t));
+        let moved = |t: &u32| self.complex.tets[*t as usize].map(|n| if n == gone { kept } else { n });
+        let new: Vec<([u32; 4], u16)> = survivors.map(|t| (moved(t), self.complex.labels[*t as usize])).collect();
+        if !self.betters(&star, &new, limit) {
+            return false;
         }
         let neighbours = self.neighbours(gone);
         let long = neighbours.iter().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(self.ratio([*n, gone])));
@@ -63,6 +60,20 @@ impl Improve<'_> {
         self.complex.replace(&star, &new);
         self.size[kept as usize] = self.size[kept as usize].min(self.size[gone as usize]);
         true
+    }
+
+    /// Whether new elements are no poorer than `limit` or the worst of the old ones.
+    ///
+    /// Of flat elements, whose distortion is infinite, there are to be fewer, and each of exactly positive volume.
+    fn betters(&self, star: &[u32], new: &[([u32; 4], u16)], limit: f64) -> bool {
+        let old: Vec<f64> = star.iter().map(|t| distortion(self.complex.corners(*t))).collect();
+        let worst_finite = old.iter().copied().filter(|m| m.is_finite()).fold(0.0, f64::max);
+        let flat_count = old.iter().filter(|m| m.is_infinite()).count();
+        let limit = limit.max(if flat_count > 0 { f64::MAX } else { 0.999 * worst_finite });
+        let flat = new.iter().filter(|(nodes, _)| self.distortion(*nodes).is_infinite()).collect::<Vec<_>>();
+        new.iter().all(|(nodes, _)| self.distortion(*nodes).is_infinite() || self.distortion(*nodes) <= limit)
+            && (flat.is_empty() || flat.len() < flat_count)
+            && flat.iter().all(|(nodes, _)| orientation(self.complex.places(*nodes)) > 0.0)
     }
 
     /// Nodes joined to both ends are those of the ring; on the skin, those of the faces at the edge.
@@ -85,11 +96,14 @@ impl Improve<'_> {
             return true;
         }
         let wings = skin.iter().filter(|f| f.contains(&kept)).count();
-        let allowed = match self.kind(gone, &skin) {
-            Kind::Smooth => true,
-            Kind::Crease(ends) => ends.contains(&kept),
-            Kind::Corner => false,
-        };
+        let reach = self.slack(&[gone, kept]);
+        // as on the surfaces before: what is shorter than the envelope is not to be kept
+        let allowed = self.length([gone, kept]) < reach
+            || match self.kind(gone, &skin) {
+                Kind::Smooth => true,
+                Kind::Crease(ends) => ends.contains(&kept),
+                Kind::Corner => false,
+            };
         if wings == 0 || !allowed {
             return false;
         }
@@ -103,7 +117,6 @@ impl Improve<'_> {
         if link_of(&skin, gone).iter().filter(|n| kept_link.contains(n)).count() != wings {
             return false;
         }
-        let reach = self.slack(&[gone, kept]);
         skin.iter().filter(|f| !f.contains(&kept)).all(|face| {
             let new = face.map(|n| if n == gone { kept } else { n });
             self.may_become(self.complex.places(*face), self.complex.places(new), reach)

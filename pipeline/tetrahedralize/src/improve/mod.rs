@@ -5,6 +5,7 @@
 
 mod balance;
 mod collapse;
+mod peel;
 mod smooth;
 mod split;
 mod swap;
@@ -41,7 +42,7 @@ pub(crate) struct Improve<'a> {
 
 impl Improve<'_> {
     /// Rounds of operations until the worst elements no longer get better.
-    pub(crate) fn run(&mut self, rounds: usize) {
+    pub(crate) fn run(&mut self, rounds: usize, watch: &dyn Fn(&str)) {
         for round in 0..rounds {
             if round > 0 {
                 self.split_long();
@@ -51,6 +52,7 @@ impl Improve<'_> {
             self.smooth_all(1.8);
             self.swap_poor(2.0);
             self.smooth_all(1.8);
+            watch(&format!("round {} of {rounds}: {} tetrahedra", round + 1, self.complex.alive().count()));
         }
         for _ in 0..2 * rounds {
             if self.worst() < POOR {
@@ -63,6 +65,7 @@ impl Improve<'_> {
             self.collapse_short();
             self.swap_poor(4.0);
             self.smooth_all(4.0);
+            self.peel_poor();
         }
         self.balance();
         self.balance();

@@ -4,7 +4,7 @@ use si::Point3;
 use si::vec3::dot;
 
 use super::{FLAT, Kind, LONG, Remesh, SHORT};
-use crate::geometry::{centroid, flatness, normal, unit};
+use crate::geometry::{centroid, flatness, least_height, normal, unit};
 
 /// New triangles are not flatter than this, unless the flattest old one was.
 const LEAST_FLATNESS: f64 = 0.12;
@@ -29,11 +29,14 @@ impl Remesh<'_> {
 
     /// Moves a node onto another where the surface allows it.
     fn collapse(&mut self, gone: u32, kept: u32) -> bool {
-        let allowed = match self.kind(gone) {
-            Kind::Smooth => true,
-            Kind::Crease(ends) => ends.contains(&kept),
-            Kind::Corner => false,
-        };
+        let reach = self.slack(&[gone, kept]);
+        // steps and strips of less than the envelope are not to be kept, whatever edges they have
+        let allowed = self.length([gone, kept]) < reach
+            || match self.kind(gone) {
+                Kind::Smooth => true,
+                Kind::Crease(ends) => ends.contains(&kept),
+                Kind::Corner => false,
+            };
         if !allowed || !self.link_holds(gone, kept) {
             return false;
         }
@@ -41,8 +44,7 @@ impl Remesh<'_> {
         let collapsed = |f: &u32| self.faces[*f as usize].map(|n| if n == gone { kept } else { n });
         let survivors: Vec<u32> = star.iter().copied().filter(|f| !self.faces[*f as usize].contains(&kept)).collect();
         let new: Vec<[u32; 3]> = survivors.iter().map(collapsed).collect();
-        let reach = self.slack(&[gone, kept]);
-        let shaped = survivors.iter().zip(&new).all(|(f, nodes)| self.keeps_shape(*f, *nodes));
+        let shaped = survivors.iter().zip(&new).all(|(f, nodes)| self.keeps_shape((*f, *nodes), reach));
         let long =
             new.iter().flatten().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(1.1 * self.ratio([*n, gone])));
         if new.is_empty() || !shaped || long || self.worsens(&star, &new) {
@@ -61,15 +63,15 @@ impl Remesh<'_> {
         shared == wings && self.around[gone as usize].len() > 3.min(wings + 1)
     }
 
-    fn keeps_shape(&self, face: u32, nodes: [u32; 3]) -> bool {
+    fn keeps_shape(&self, (face, nodes): (u32, [u32; 3]), reach: f64) -> bool {
         let (old, new) = (self.corners(face), self.places(nodes));
         if flatness(new) <= FLAT {
             return false;
         }
-        if flatness(old) >= 10.0 * FLAT {
+        if flatness(old) >= 10.0 * FLAT && least_height(old) >= reach {
             return aligned(old, new);
         }
-        // the normal of a sliver is rounding; the input's is not
+        // the normal of a sliver is rounding, or that of a step within the envelope; the input's is not
         let foot = self.envelope.nearest(centroid(new), f64::INFINITY);
         foot.is_some_and(|foot| dot(unit(normal(new)), self.envelope.normal(foot.triangle)) > TURN)
     }

@@ -5,7 +5,7 @@ use si::vec3::{dot, norm, sub};
 
 use super::collapse::aligned;
 use super::{FLAT, Remesh};
-use crate::geometry::{flatness, normal};
+use crate::geometry::{flatness, least_height, normal};
 
 impl Remesh<'_> {
     /// Flips edges whose opposite angles sum to more than 180°, which makes the least angle larger.
@@ -26,7 +26,13 @@ impl Remesh<'_> {
         let tip = |face: u32| self.faces[face as usize].into_iter().find(|n| !edge.contains(n));
         let (Some(p), Some(q)) = (tip(f), tip(g)) else { return false };
         let angles = [p, q].map(|n| self.angle(n, edge)).iter().sum::<f64>();
-        if p == q || angles < std::f64::consts::PI * 1.0001 || self.is_feature(edge) || !self.wings([p, q]).is_empty() {
+        if p == q || angles < std::f64::consts::PI * 1.0001 || !self.wings([p, q]).is_empty() {
+            return false;
+        }
+        let reach = self.slack(&[a, b, p, q]);
+        // a line that runs beside another within the envelope is that line
+        let sliver = [f, g].iter().any(|face| least_height(self.corners(*face)) < reach);
+        if self.is_feature(edge) && !(sliver && self.runs_forwards(f, edge) != self.runs_forwards(g, edge)) {
             return false;
         }
         let new = [[p, a, q], [q, b, p]];
@@ -34,7 +40,6 @@ impl Remesh<'_> {
         let old = [self.corners(f), self.corners(g)];
         let larger = if norm(normal(old[0])) > norm(normal(old[1])) { old[0] } else { old[1] };
         let sound = places.iter().all(|c| flatness(*c) > FLAT && aligned(larger, *c));
-        let reach = self.slack(&[a, b, p, q]);
         sound && places.iter().all(|c| self.envelope.holds(*c, reach)) && self.replace(&[f, g], &new, reach)
     }
 

@@ -6,6 +6,7 @@
 
 mod collapse;
 mod flip;
+mod marks;
 mod relax;
 mod size;
 
@@ -16,7 +17,7 @@ use si::vec3::{add, dot, scale, sub};
 
 use crate::delaunay::sorted;
 use crate::envelope::Envelope;
-use crate::geometry::{centroid, distance, flatness, nearest_on_triangle, normal, unit};
+use crate::geometry::{centroid, distance, flatness, normal, unit};
 pub(crate) use size::Sizing;
 
 /// Faces whose normals differ by more than 40° meet in a feature.
@@ -55,7 +56,7 @@ pub(crate) struct Remesh<'a> {
 }
 
 impl<'a> Remesh<'a> {
-    pub(crate) fn new(points: Vec<Point3>, faces: Vec<[u32; 3]>, envelope: &'a Envelope) -> Self {
+    pub(crate) fn new((points, faces): (Vec<Point3>, Vec<[u32; 3]>), envelope: &'a Envelope, spacing: f64) -> Self {
         let mut around = vec![Vec::new(); points.len()];
         faces.iter().enumerate().for_each(|(f, face)| face.iter().for_each(|n| around[*n as usize].push(f as u32)));
         let mut marks = vec![Vec::new(); faces.len()];
@@ -64,7 +65,7 @@ impl<'a> Remesh<'a> {
         }
         let count = points.len();
         let input = points.clone();
-        Self {
+        let mut surface = Self {
             points,
             faces,
             around,
@@ -73,7 +74,9 @@ impl<'a> Remesh<'a> {
             marks,
             input,
             envelope,
-        }
+        };
+        surface.mark_edges(spacing);
+        surface
     }
 
     /// Brings edges to their lengths.
@@ -230,22 +233,6 @@ impl<'a> Remesh<'a> {
         self.faces.push(nodes);
         self.marks.push(marks);
         nodes.iter().for_each(|n| self.around[*n as usize].push(face));
-    }
-
-    /// The input's points of old faces, each with the new face that is nearest to it; none when one of them is too far from all.
-    fn assigned(&self, old: &[u32], new: &[[Point3; 3]], reach: f64) -> Option<Vec<Vec<u32>>> {
-        let mut marks = vec![Vec::new(); new.len()];
-        for mark in old.iter().flat_map(|f| &self.marks[*f as usize]) {
-            let position = self.input[*mark as usize];
-            let gaps =
-                new.iter().map(|corners| distance(position, nearest_on_triangle(position, *corners))).enumerate();
-            let (place, gap) = gaps.min_by(|a, b| a.1.total_cmp(&b.1))?;
-            if gap > reach {
-                return None;
-            }
-            marks[place].push(*mark);
-        }
-        Some(marks)
     }
 
     /// Replaces faces where all points stay near.

@@ -2,10 +2,12 @@
 
 use super::Remesh;
 use crate::envelope::Envelope;
-use crate::geometry::{distance, flatness};
+use crate::geometry::least_height;
 
 /// The distance from the input is at most this share of a wall, and of a gap: surfaces of one wall may both move, and must not meet.
 const SHARE: f64 = 0.12;
+/// But at least this share of the largest one: beside the edge of a wedge all walls are thin, and slivers there could not go.
+const FLOOR: f64 = 0.5;
 
 /// Target length over the height of the triangles of a strip.
 const STRIP: f64 = 4.0;
@@ -42,7 +44,7 @@ impl Remesh<'_> {
                     f64::INFINITY
                 };
                 self.size[node] = (sizing.aspect * inside).min(narrow).clamp(sizing.least, sizing.edge);
-                let narrow = (SHARE * inside.min(outside)).max(0.02 * sizing.slack);
+                let narrow = (SHARE * inside.min(outside)).max(FLOOR * sizing.slack);
                 self.slack[node] = sizing.slack.min(narrow);
             }
         }
@@ -60,13 +62,8 @@ impl Remesh<'_> {
 
     /// The mean least height of the faces around a node.
     fn mean_height(&self, node: u32) -> f64 {
-        let height = |face: &u32| {
-            let corners = self.corners(*face);
-            let [a, b, c] = corners;
-            flatness(corners) * distance(a, b).max(distance(b, c)).max(distance(c, a))
-        };
         let star = &self.around[node as usize];
-        star.iter().map(height).sum::<f64>() / star.len() as f64
+        star.iter().map(|face| least_height(self.corners(*face))).sum::<f64>() / star.len() as f64
     }
 
     /// Thickness of the wall below a node, and of the gap above it.
