@@ -28,6 +28,7 @@ paper PROFILE="paper": build
 
 # whether the tracked PDF is the one that the tracked source, tables, figures and numbers give
 paper-current: paper
+    git ls-files --error-unmatch paper/paper.pdf
     git diff --exit-code --stat -- paper/numbers.csv paper/paper.pdf
 
 # one figure, with what it needs
