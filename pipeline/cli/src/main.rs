@@ -108,11 +108,12 @@ fn run_command(cli: &Cli) -> Result<bool> {
             publish::outdated::in_words(&outdated).iter().for_each(output::line);
             Ok(print_diagnostics(&diagnostics) & outdated.is_empty())
         }
-        Command::Plan { names, specimen, graph, schedule } => {
+        Command::Plan { names, specimen, graph, schedule, times } => {
             let (runner, diagnostics) = open()?;
             study::readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
             match schedule.is_empty() {
+                true if *times => output::line(runner.times(&goal)?),
                 true => print_plan(&runner, &goal, graph.as_ref())?,
                 false => output::line(runner.schedule(&goal, schedule)?),
             }
@@ -186,15 +187,15 @@ fn run_command(cli: &Cli) -> Result<bool> {
             Ok(tracked.complete)
         }
         Command::Check { what: None, junit } => {
-            let (runner, diagnostics) =
-                study::open_without_specimens(&cli.place.root, cli.place.profile.into(), runner_options(&cli.place))?;
+            let (runner, diagnostics) = open_without_specimens(&cli.place)?;
             Ok(check_records(&runner, junit.as_deref())? & print_diagnostics(&diagnostics))
         }
         Command::Check { what: Some(Checked::Gradients { cases, steps }), .. } => {
             check_gradients(&cli.place.root, cases, *steps, cli.place.quiet)
         }
         Command::Paper => {
-            let (runner, diagnostics) = open()?;
+            // the paper profile is set from what is tracked where nothing was recorded
+            let (runner, diagnostics) = open_without_specimens(&cli.place)?;
             let pdf_path = study::paper(&runner)?;
             if !cli.place.quiet {
                 output::line(runner.folders.display(&pdf_path));
@@ -257,6 +258,11 @@ fn runner_options(place: &Place) -> Options {
 
 fn open_study(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
     study::open(&place.root, place.profile.into(), runner_options(place))
+}
+
+/// The same where nothing needs to have been recorded.
+fn open_without_specimens(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
+    study::open_without_specimens(&place.root, place.profile.into(), runner_options(place))
 }
 
 /// Prints the plan, as a list or a tree, or draws it.

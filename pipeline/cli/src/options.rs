@@ -106,6 +106,9 @@ pub enum Command {
         /// Show instead how long everything would take with so many workers, from the durations of the records as they were made.
         #[arg(long, value_name = "WORKERS", value_delimiter = ',', conflicts_with = "graph", value_parser = count_parser(1..=1024))]
         schedule: Vec<usize>,
+        /// Show instead what the records of each stage took when they were made, and how many are left.
+        #[arg(long, conflicts_with_all = ["graph", "schedule"])]
+        times: bool,
     },
     /// Report the inputs of each record of a stage.
     Why {

@@ -60,12 +60,11 @@ fn metric_line(entry: &MetricEntry) -> String {
 
 fn claim_line(claim: &Claim, metrics: &[MetricEntry]) -> String {
     format!(
-        "{:<30}{}\n{:30}rule: {} {}; ours: {}; published: {}{}",
+        "{:<36}{}\n{:36}rule: {}; ours: {}; published: {}{}",
         claim.verdict(metrics).in_words().to_uppercase(),
         claim.says,
         "",
-        claim.metrics().map(String::as_str).collect::<Vec<_>>().join(" and "),
-        claim.rule.in_words(),
+        claim.rules_in_words(),
         claim.ours(metrics).join(", "),
         claim.published,
         claim.set_by.as_ref().map_or(String::new(), |setting| format!("; decided by {setting}"))
@@ -82,20 +81,23 @@ fn unreproduced_claims(claims: &[Claim], metrics: &[MetricEntry]) -> Vec<String>
             .chain(lines)
             .collect::<Vec<_>>()
     };
-    [Verdict::Fails, Verdict::Undetermined, Verdict::SetByBench, Verdict::NotMeasured].map(verdict_lines).concat()
+    let verdicts =
+        [Verdict::Fails, Verdict::FailsByBench, Verdict::Undetermined, Verdict::SetByBench, Verdict::NotMeasured];
+    verdicts.map(verdict_lines).concat()
 }
 
 fn count_summary(metrics: &[MetricEntry], missing: &[&str], claims: &[Claim]) -> String {
     let count_with = |status: &str| metrics.iter().filter(|m| m.status == status).count();
     let count_claims = |verdict| claims.iter().filter(|c| c.verdict(metrics) == verdict).count();
     format!(
-        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} are not determined, {} are set by the bench, {} not measured",
+        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} more by the bench's making, {} are not determined, {} are set by the bench, {} not measured",
         count_with("as expected"),
         count_with("drifted"),
         missing.len(),
         count_with("not compared"),
         count_claims(Verdict::Reproduces),
         count_claims(Verdict::Fails),
+        count_claims(Verdict::FailsByBench),
         count_claims(Verdict::Undetermined),
         count_claims(Verdict::SetByBench),
         count_claims(Verdict::NotMeasured)
@@ -125,7 +127,8 @@ mod tests {
     fn claim(says: &str, rule: Rule, set_by: Option<&str>) -> Claim {
         let (metric, published) = ("a".to_owned(), "so".to_owned());
         let (name, also, set_by) = (says.to_owned(), Vec::new(), set_by.map(str::to_owned));
-        Claim { name, says: says.to_owned(), metric, also, rule, set_by, published, of_its_tail_alone: false }
+        let and = Vec::new();
+        Claim { name, says: says.to_owned(), metric, also, rule, and, set_by, published, of_its_tail_alone: false }
     }
 
     fn checked(outdated: &[String]) -> Checked {
@@ -161,7 +164,7 @@ mod tests {
         let after = |line: &str| lines[1 + lines.iter().position(|l| l == line).unwrap()].clone();
         assert_eq!(after("REPRODUCES it is large"), "rule: a ≥ 1; ours: 2.00 mm; published: so");
         assert_eq!(
-            after("SET BY THE BENCH it is chosen"),
+            after("DOES NOT REPRODUCE (BY THE BENCH) it is chosen"),
             "rule: a ≤ 1; ours: 2.00 mm; published: so; decided by its mould"
         );
         assert_eq!(after("does not reproduce: 1"), "it is small (2.00 mm; published so)");
@@ -169,8 +172,8 @@ mod tests {
 
     #[test]
     fn the_last_line_counts_numbers_and_claims() {
-        let counts = "2 numbers as expected, 1 drifted, 0 missing, 1 not compared; 1 claims reproduce, 1 do not, 0 are not determined, \
-                      1 are set by the bench, 0 not measured";
+        let counts = "2 numbers as expected, 1 drifted, 0 missing, 1 not compared; 1 claims reproduce, 1 do not, 1 more by the bench's making, \
+                      0 are not determined, 0 are set by the bench, 0 not measured";
         assert_eq!(checked(&[]).text.lines().last(), Some(counts));
     }
 

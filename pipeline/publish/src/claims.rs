@@ -1,7 +1,7 @@
 //! The claims of the paper: which number decides each, by which rule, and whether it reproduces.
 //!
 //! `paper/claims.toml` holds them. A claim that does not reproduce is printed as such; only a drift of a number from its
-//! expectation, or a number that was not computed, is a failure.
+//! expectation, or a number that was not computed, is a failure. A sentence that says several things is one claim with several [`Part`]s.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -27,6 +27,9 @@ pub struct Claim {
     pub also: Vec<String>,
     /// How it decides.
     pub rule: Rule,
+    /// What else the same sentence says: it holds when all of it does.
+    #[serde(default)]
+    pub and: Vec<Part>,
     /// The settings of the virtual bench that decide its outcome, where they do.
     #[serde(default)]
     pub set_by: Option<String>,
@@ -35,6 +38,16 @@ pub struct Claim {
     /// Whether it is about its tail alone, so that none stands in for it.
     #[serde(default)]
     pub of_its_tail_alone: bool,
+}
+
+/// A further part of a claim: another number with a rule of its own.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// The metric that decides it.
+    pub metric: String,
+    /// How it decides.
+    pub rule: Rule,
 }
 
 /// The rule of a claim.
@@ -47,6 +60,10 @@ pub enum Rule {
     AtLeast(f64),
     /// Between two values.
     Within([f64; 2]),
+    /// Below the first or above the second of two values.
+    Outside([f64; 2]),
+    /// At most a multiple of another metric.
+    AtMostTimes(f64, String),
     /// Smaller than another metric.
     SmallerThan(String),
     /// Smaller than a metric that is smaller than the next, and so on.
@@ -64,11 +81,18 @@ pub enum Verdict {
     NotMeasured,
     /// It is about a quantity whose 95 % interval (metrics `.low` and `.high`) lies on both sides of its rule.
     Undetermined,
-    /// Settings of the virtual bench decide whether its rule holds: it counts neither as reproduced nor as not.
+    /// Settings of the virtual bench decide that its rule holds: it does not count as reproduced.
     SetByBench,
+    /// Settings of the virtual bench decide that its rule does not hold: it counts as not reproduced all the same.
+    FailsByBench,
 }
 
 impl Verdict {
+    /// Whether the original's statement does not hold here, whoever decides it.
+    pub(crate) fn is_failure(self) -> bool {
+        matches!(self, Self::Fails | Self::FailsByBench)
+    }
+
     /// As `study check` and the paper print it.
     pub fn in_words(self) -> &'static str {
         match self {
@@ -77,6 +101,7 @@ impl Verdict {
             Self::NotMeasured => "not measured in this profile",
             Self::Undetermined => "not determined by the recordings",
             Self::SetByBench => "set by the bench",
+            Self::FailsByBench => "does not reproduce (by the bench)",
         }
     }
 }
@@ -116,25 +141,45 @@ pub(crate) fn claims_page(path: &Path) -> Result<Page> {
 }
 
 impl Claim {
+    /// The metrics that decide it, each with its rule.
+    fn ruled_metrics(&self) -> impl Iterator<Item = (&String, &Rule)> {
+        let own = std::iter::once(&self.metric).chain(&self.also).map(|metric| (metric, &self.rule));
+        own.chain(self.and.iter().map(|part| (&part.metric, &part.rule)))
+    }
+
     /// The metrics that decide it.
     pub fn metrics(&self) -> impl Iterator<Item = &String> {
-        std::iter::once(&self.metric).chain(&self.also)
+        self.ruled_metrics().map(|(metric, _)| metric)
+    }
+
+    /// The metrics with which its rules compare.
+    pub fn others(&self) -> impl Iterator<Item = &String> {
+        self.rule.others().iter().chain(self.and.iter().flat_map(|part| part.rule.others()))
+    }
+
+    /// Its rules in words, each after the metrics that must keep it.
+    pub(crate) fn rules_in_words(&self) -> String {
+        let own: Vec<&str> = std::iter::once(&self.metric).chain(&self.also).map(String::as_str).collect();
+        let parts = self.and.iter().map(|part| format!("{} {}", part.metric, part.rule.in_words()));
+        let own = format!("{} {}", own.join(" and "), self.rule.in_words());
+        std::iter::once(own).chain(parts).collect::<Vec<_>>().join(" and ")
     }
 
     /// Its verdict.
     pub fn verdict(&self, metrics: &[MetricEntry]) -> Verdict {
         match self.rule_outcome(metrics) {
-            Verdict::NotMeasured => Verdict::NotMeasured,
-            _ if self.set_by.is_some() => Verdict::SetByBench,
+            Verdict::Fails if self.set_by.is_some() => Verdict::FailsByBench,
+            Verdict::Reproduces if self.set_by.is_some() => Verdict::SetByBench,
             decided => decided,
         }
     }
 
     /// What its rule gives, whoever decides it.
     pub(crate) fn rule_outcome(&self, metrics: &[MetricEntry]) -> Verdict {
-        let rule_results: Vec<Option<bool>> = self.metrics().map(|id| self.rule.holds_for(id, metrics)).collect();
+        let rule_results: Vec<Option<bool>> =
+            self.ruled_metrics().map(|(id, rule)| rule.holds_for(id, metrics)).collect();
         match () {
-            () if self.metrics().any(|id| self.rule.is_undetermined(id, metrics)) => Verdict::Undetermined,
+            () if self.ruled_metrics().any(|(id, rule)| rule.is_undetermined(id, metrics)) => Verdict::Undetermined,
             () if rule_results.contains(&Some(false)) => Verdict::Fails,
             () if rule_results.contains(&None) => Verdict::NotMeasured,
             () => Verdict::Reproduces,
@@ -147,7 +192,7 @@ impl Claim {
             let metric = metrics.iter().find(|m| m.metric.id == *id).map(|m| &m.metric);
             metric.map_or_else(|| "–".into(), |m| format!("{} {}", short_number(m.value), m.unit).trim_end().to_owned())
         };
-        self.metrics().chain(self.rule.others()).map(measured).collect()
+        self.metrics().chain(self.others()).map(measured).collect()
     }
 }
 
@@ -160,6 +205,8 @@ impl Rule {
             Self::AtMost(limit) => ours <= *limit,
             Self::AtLeast(limit) => ours >= *limit,
             Self::Within([low, high]) => (*low..=*high).contains(&ours),
+            Self::Outside([low, high]) => ours < *low || ours > *high,
+            Self::AtMostTimes(factor, other) => ours <= factor * value(other)?,
             Self::SmallerThan(other) => ours < value(other)?,
             Self::Ascending(thresholds) => {
                 let thresholds: Vec<f64> = thresholds.iter().map(|id| value(id)).collect::<Option<_>>()?;
@@ -177,9 +224,9 @@ impl Rule {
     /// The metrics that it compares with.
     pub fn others(&self) -> &[String] {
         match self {
-            Self::SmallerThan(other) => std::slice::from_ref(other),
+            Self::SmallerThan(other) | Self::AtMostTimes(_, other) => std::slice::from_ref(other),
             Self::Ascending(others) => others,
-            Self::AtMost(_) | Self::AtLeast(_) | Self::Within(_) => &[],
+            Self::AtMost(_) | Self::AtLeast(_) | Self::Within(_) | Self::Outside(_) => &[],
         }
     }
 
@@ -189,6 +236,8 @@ impl Rule {
             Self::AtMost(limit) => format!("≤ {limit}"),
             Self::AtLeast(limit) => format!("≥ {limit}"),
             Self::Within([low, high]) => format!("{low} … {high}"),
+            Self::Outside([low, high]) => format!("< {low} or > {high}"),
+            Self::AtMostTimes(factor, other) => format!("≤ {factor} × {other}"),
             Self::SmallerThan(other) => format!("< {other}"),
             Self::Ascending(others) => others.iter().map(|o| format!("< {o}")).collect::<Vec<_>>().join(" "),
         }
@@ -220,6 +269,7 @@ mod tests {
             metric: "a".into(),
             also,
             rule,
+            and: Vec::new(),
             set_by: None,
             published: String::new(),
             of_its_tail_alone: false,
@@ -263,10 +313,11 @@ mod tests {
     }
 
     #[test]
-    fn what_the_bench_decides_is_neither_reproduced_nor_not() {
+    fn what_the_bench_makes_true_does_not_count_as_reproduced_and_what_it_makes_false_counts_as_not() {
         let set = |rule| Claim { set_by: Some("material".into()), ..claim(rule, &[]) };
-        for rule in [Rule::AtMost(1.0), Rule::AtMost(5.0)] {
-            assert_eq!(set(rule.clone()).verdict(&metrics()), Verdict::SetByBench);
+        for (rule, verdict) in [(1.0, Verdict::FailsByBench), (5.0, Verdict::SetByBench)] {
+            let rule = Rule::AtMost(rule);
+            assert_eq!(set(rule.clone()).verdict(&metrics()), verdict);
             assert_eq!(set(rule.clone()).rule_outcome(&metrics()), claim(rule, &[]).verdict(&metrics()));
         }
         assert_eq!(set(Rule::SmallerThan("c".into())).verdict(&metrics()), Verdict::NotMeasured);
@@ -281,6 +332,27 @@ mod tests {
         };
         assert_eq!(of(1.0, 3.0), Verdict::Undetermined);
         assert_eq!(of(1.8, 2.2), Verdict::Reproduces);
+    }
+
+    #[test]
+    fn a_number_is_compared_with_a_multiple_of_another_and_with_the_outside_of_a_range() {
+        let verdict = |rule| claim(rule, &[]).verdict(&metrics());
+        assert_eq!(verdict(Rule::AtMostTimes(0.7, "b".into())), Verdict::Reproduces);
+        assert_eq!(verdict(Rule::AtMostTimes(0.6, "b".into())), Verdict::Fails);
+        assert_eq!(verdict(Rule::AtMostTimes(0.6, "c".into())), Verdict::NotMeasured);
+        assert_eq!(verdict(Rule::Outside([1.0, 1.5])), Verdict::Reproduces);
+        assert_eq!(verdict(Rule::Outside([1.0, 2.5])), Verdict::Fails);
+    }
+
+    #[test]
+    fn a_sentence_of_two_parts_holds_when_both_do() {
+        let with = |limit| Claim {
+            and: vec![Part { metric: "d".into(), rule: Rule::AtMost(limit) }],
+            ..claim(Rule::AtMost(2.0), &[])
+        };
+        assert_eq!([5.0, 3.0].map(|limit| with(limit).verdict(&metrics())), [Verdict::Reproduces, Verdict::Fails]);
+        assert_eq!(with(3.0).rules_in_words(), "a ≤ 2 and d ≤ 3");
+        assert_eq!(with(3.0).ours(&metrics()), ["2.00", "4.00"]);
     }
 
     #[test]

@@ -83,11 +83,10 @@ fn shown_entries<U: Universe>(jobs: &[Job<U>], store: &Store, kind: Kind, ending
 }
 
 fn claim_verdict(claim: &Claim, metrics: &[MetricEntry]) -> Verdict {
-    let metrics_named: Vec<&str> = claim.metrics().map(String::as_str).collect();
     Verdict {
         says: claim.says.clone(),
         verdict: claim.verdict(metrics),
-        rule: format!("{} {}", metrics_named.join(" and "), claim.rule.in_words()),
+        rule: claim.rules_in_words(),
         ours: claim.ours(metrics).join(", "),
         published: claim.published.clone(),
     }

@@ -1,4 +1,5 @@
-//! The paper's files: the source is read, resolved by [`crate::paper`], and written beside the records for a typesetter.
+//! The paper's files: the source is read, resolved by [`crate::paper`], and written beside the records for a typesetter. The paper profile takes its
+//! numbers from `paper/numbers.csv`, which is written anew where there are records.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,8 +9,10 @@ use crate::claims;
 use crate::expected::Expected;
 use crate::expected::MetricEntry;
 use crate::metrics_file;
+use crate::numbers_file::{self, Numbers};
 use crate::outdated;
-use crate::paper::{self, Facts, Made, Page, Problem};
+use crate::paper::{self, Facts, Made, Origin, Page, Problem};
+use crate::real_tables;
 use diagnostics::{Diagnostic, Result, input};
 use workflow::entry::{Entry, Kind};
 use workflow::runner::write_atomically;
@@ -27,7 +30,8 @@ const MADE_ELSEWHERE: [&str; 2] = ["real_beam", "real_arm"];
 /// # Errors
 /// A [`Diagnostic`] when a file of the project cannot be read.
 pub fn resolve<U: Universe>(runner: &Runner<U>) -> Result<Result<Vec<Page>, Vec<Problem>>> {
-    let facts = paper_facts(&runner.folders, runner.lists, runner.profile, metrics_file::read_or_none(runner)?)?;
+    let computed = metrics_file::read_or_none(runner)?;
+    let facts = paper_facts(&runner.folders, runner.lists, runner.profile, computed)?;
     Ok(paper::resolve(&source_pages(&runner.folders.paper_source())?, &facts))
 }
 
@@ -44,14 +48,18 @@ pub fn unresolved<U: Universe>(folders: &Folders, lists: &[&[Entry<U>]]) -> Resu
 /// # Errors
 /// A [`Diagnostic`] with every problem of the source, when a record is not up to date, or when a file cannot be read or written.
 pub fn write<U: Universe>(runner: &Runner<U>) -> Result<PathBuf> {
-    metrics_file::read(runner)?;
+    if runner.profile != Profile::Paper {
+        metrics_file::read(runner)?;
+    }
     outdated::refuse("the paper cannot be built", &outdated::records_and_numbers(runner)?)?;
     let diagnostic = |problems: Vec<Problem>| {
         let defect = format!("the paper cannot be built: {} problems", problems.len());
         let reason = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n       ");
         Diagnostic::new(defect, reason, "correct the lines named, or make what is missing with study run")
     };
-    let resolved = resolve(runner)?.map_err(diagnostic)?;
+    let facts = tracked_facts(runner)?;
+    let pages = source_pages(&runner.folders.paper_source())?;
+    let resolved = paper::resolve(&pages, &facts).map_err(diagnostic)?;
     let folder_of_paper = runner.folders.paper_in_place();
     let references = read_source(&runner.folders.paper_source().join("refs.bib"))?;
     let pages = resolved.into_iter().chain([Page { name: "refs.bib".into(), text: references }]);
@@ -64,6 +72,35 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<PathBuf> {
         })?;
     }
     Ok(folder_of_paper)
+}
+
+/// The facts of a paper that is written: of the paper profile with the numbers that are tracked, where there are records those of the records.
+fn tracked_facts<U: Universe>(runner: &Runner<U>) -> Result<Facts> {
+    let (folders, computed) = (&runner.folders, metrics_file::read_or_none(runner)?);
+    let has_records = !computed.is_empty();
+    let facts = paper_facts(folders, runner.lists, runner.profile, computed)?;
+    if runner.profile != Profile::Paper {
+        return Ok(facts);
+    }
+    if has_records {
+        numbers_file::write(&folders.paper_source(), &facts.metrics, &named_numbers(folders)?)?;
+    }
+    let expected = Expected::read(&folders.expected(), runner.profile)?;
+    let Numbers { entries, sources } = numbers_file::read(&folders.paper_source(), &expected)?;
+    let metrics = entries.into_iter().chain(real_numbers(folders, &expected)?).collect();
+    Ok(Facts { metrics, strict: has_records, origin: Origin::Tracked(sources), ..facts })
+}
+
+/// The numbers that the text and the claims may name.
+fn named_numbers(folders: &Folders) -> Result<BTreeSet<String>> {
+    let (expected, claims) = (Expected::read(&folders.expected(), Profile::Paper)?, claims::read(&folders.claims())?);
+    let claim_metrics = claims.iter().flat_map(|claim| claim.metrics().chain(claim.others())).cloned();
+    Ok(expected.named().iter().cloned().chain(claim_metrics).collect())
+}
+
+fn real_numbers(folders: &Folders, expected: &Expected) -> Result<Vec<MetricEntry>> {
+    let numbers = real_tables::read(&folders.paper_source().join("tables"))?;
+    Ok(numbers.into_iter().map(|number| expected.judge(number)).collect())
 }
 
 /// Every page of typst in the folder and in `sections`, by name.
@@ -85,7 +122,6 @@ fn paper_facts<U: Universe>(
 ) -> Result<Facts> {
     let expected = Expected::read(&folders.expected(), profile)?;
     let claims = claims::read(&folders.claims())?;
-    let claim_metrics = claims.iter().flat_map(|c| c.metrics().chain(c.rule.others())).cloned();
     let made_entries = |kind: Kind, suffix: &str| -> Vec<Made> {
         let entries = lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == kind);
         let text = |entry: &Entry<U>| {
@@ -103,8 +139,8 @@ fn paper_facts<U: Universe>(
         }
     });
     Ok(Facts {
-        known: expected.named().iter().cloned().chain(claim_metrics).collect(),
-        metrics,
+        known: named_numbers(folders)?,
+        metrics: metrics.into_iter().chain(real_numbers(folders, &expected)?).collect(),
         claims,
         figures: made_entries(Kind::Figure, "svg").into_iter().chain(real_figures).collect(),
         tables: made_entries(Kind::Table, "csv"),
@@ -114,6 +150,7 @@ fn paper_facts<U: Universe>(
             .map(|crates| tests_in_folder(&crates))
             .transpose()?,
         strict: profile == Profile::Paper,
+        origin: Origin::OtherProfile,
     })
 }
 

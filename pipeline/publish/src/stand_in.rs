@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::claims::{self, Claim, Rule};
+use crate::claims::{self, Claim, Part, Rule};
 use diagnostics::Result;
 use workflow::settings::Profile;
 
@@ -26,15 +26,23 @@ impl StandIns<'_> {
         if claim.of_its_tail_alone {
             return claim;
         }
-        let rule = match claim.rule {
+        let also = claim.also.iter().map(|metric| self.stand_in_metric(metric)).collect();
+        let part =
+            |part: Part| Part { metric: self.stand_in_metric(&part.metric), rule: self.stand_in_rule(part.rule) };
+        let (rule, and) = (self.stand_in_rule(claim.rule), claim.and.into_iter().map(part).collect());
+        Claim { metric: self.stand_in_metric(&claim.metric), also, rule, and, ..claim }
+    }
+
+    /// A rule that compares with metrics of the tails that stand in.
+    fn stand_in_rule(&self, rule: Rule) -> Rule {
+        match rule {
             Rule::SmallerThan(other) => Rule::SmallerThan(self.stand_in_metric(&other)),
+            Rule::AtMostTimes(factor, other) => Rule::AtMostTimes(factor, self.stand_in_metric(&other)),
             Rule::Ascending(others) => {
                 Rule::Ascending(others.iter().map(|other| self.stand_in_metric(other)).collect())
             }
-            limit @ (Rule::AtMost(_) | Rule::AtLeast(_) | Rule::Within(_)) => limit,
-        };
-        let also = claim.also.iter().map(|metric| self.stand_in_metric(metric)).collect();
-        Claim { metric: self.stand_in_metric(&claim.metric), also, rule, ..claim }
+            limit @ (Rule::AtMost(_) | Rule::AtLeast(_) | Rule::Within(_) | Rule::Outside(_)) => limit,
+        }
     }
 
     /// A metric of a tail's, or of its trial's, as that of the tail that stands in for it.

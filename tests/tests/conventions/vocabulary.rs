@@ -97,9 +97,6 @@ fn phrases(path: &str, text: &str) -> Vec<String> {
 /// Settings, cards, cases, metrics, claims and the pages that people read.
 fn pages() -> Vec<(String, String)> {
     let files = [
-        "README.md",
-        "CONTRIBUTING.md",
-        "data/raw/README.md",
         "study.toml",
         "paper/claims.toml",
         "paper/expected.toml",
@@ -109,7 +106,13 @@ fn pages() -> Vec<(String, String)> {
     ];
     let sections = std::fs::read_dir(top().join("paper/sections")).into_iter().flatten().flatten();
     let sections = sections.map(|entry| format!("paper/sections/{}", entry.file_name().to_string_lossy()));
-    files.map(str::to_owned).into_iter().chain(sections).map(|path| (path.clone(), text(&path))).collect()
+    files
+        .map(str::to_owned)
+        .into_iter()
+        .chain(crate::pages::pages())
+        .chain(sections)
+        .map(|path| (path.clone(), text(&path)))
+        .collect()
 }
 
 #[test]

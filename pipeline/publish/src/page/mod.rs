@@ -141,6 +141,7 @@ impl Page {
                 claims::Verdict::NotMeasured => ("open", "open"),
                 claims::Verdict::Undetermined => ("open", "not determined"),
                 claims::Verdict::SetByBench => ("open", "set by the bench"),
+                claims::Verdict::FailsByBench => ("fails", "does not reproduce (by the bench)"),
             };
             let cells = [&claim.says, &claim.ours, &claim.rule, &claim.published].map(|text| escaped_html(text));
             format!(

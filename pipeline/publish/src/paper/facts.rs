@@ -1,6 +1,6 @@
 //! Names that the paper may use: numbers, claims, figures, tables, citations, tests.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::claims::Claim;
 use crate::expected::MetricEntry;
@@ -22,8 +22,20 @@ pub struct Facts {
     pub cited: BTreeSet<String>,
     /// Names of the project's tests; none where its programs lie elsewhere.
     pub tests: Option<BTreeSet<String>>,
-    /// Whether all of them must exist: the paper profile.
+    /// Whether all of them must exist: the paper profile, where it has records.
     pub strict: bool,
+    /// Where the numbers are from.
+    pub origin: Origin,
+}
+
+/// Where the numbers of a paper are from.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Origin {
+    /// The records of a profile that is not the paper's.
+    #[default]
+    OtherProfile,
+    /// Numbers that are tracked with the source: how many from each of its sources.
+    Tracked(BTreeMap<String, usize>),
 }
 
 /// A figure or table, and its text where this profile made it.
@@ -71,6 +83,7 @@ pub(super) mod tests {
             metric: "a.rmse_mm".into(),
             also: Vec::new(),
             rule: Rule::AtMost(limit),
+            and: Vec::new(),
             set_by: None,
             published: "1 mm".into(),
             of_its_tail_alone: false,
@@ -89,6 +102,7 @@ pub(super) mod tests {
             cited: set("du2021"),
             tests: Some(set("a_test_that_is")),
             strict: false,
+            origin: Origin::OtherProfile,
         }
     }
 

@@ -7,22 +7,26 @@
 //! |---|---|
 //! | `#num("metric", digits: 2)`, `#val(…)` | the number; with its unit |
 //! | `#verdict("claim")[holds][does not][not measured]` | the block that the numbers choose |
-//! | `#when("metric")[measured][not]` | the same by whether there is a number |
+//! | `#when("metric", "fig:name")[at hand][not]` | the same by whether there are these numbers, figures and tables |
 //! | `#plate("figure")[caption]`, `#wide(…)` | the figure, in one column or two |
 //! | `#tabular("table")[caption]`, `#broad(…)` | the table |
-//! | `#eq("test")[$ … $]` | an equation and the test that holds it |
+//! | `#eq("test")[$ … $]` | an equation; its test stands in a table at the end |
 //! | `#claims()`, `#failing()` | all claims with verdicts; those that do not reproduce |
+//! | `#scope()` | where the numbers are from, and what was left out |
 //! | `#said[3 %]` | a number from a source, not of this study |
+//!
+//! What is not at hand is left out with its sentence ([`omit`]), which `#scope()` says once.
 
 mod board;
 mod citations;
 mod digits;
 mod facts;
 mod generated;
+mod omit;
 mod place;
 mod scan;
 
-pub use facts::{Facts, Made};
+pub use facts::{Facts, Made, Origin};
 pub(crate) use facts::{cited_keys, test_names};
 
 /// One file of the source: its name below the paper's folder, and its text.
@@ -59,9 +63,10 @@ impl std::fmt::Display for Problem {
 /// # Errors
 /// Every [`Problem`] found, each once.
 pub fn resolve(pages: &[Page], facts: &Facts) -> Result<Vec<Page>, Vec<Problem>> {
-    let mut problems = Vec::new();
-    let mut shown = Vec::new();
-    let resolved = pages.iter().map(|page| place::resolved_page(page, facts, &mut shown, &mut problems)).collect();
+    let mut found = place::Found::default();
+    let resolved: Vec<Page> = pages.iter().map(|page| place::resolved_page(page, facts, &mut found)).collect();
+    let place::Found { shown, missing, mut problems } = found;
+    let resolved = with_omissions(resolved, facts, &missing);
     problems.extend(pages.iter().flat_map(digits::typed_by_hand));
     problems.extend(citations::citation_problems(pages, facts));
     let paper_problem = |what| Problem { page: "main.typ".into(), line: 0, what };
@@ -73,6 +78,20 @@ pub fn resolve(pages: &[Page], facts: &Facts) -> Result<Vec<Page>, Vec<Problem>>
     let mut problem_texts = std::collections::BTreeSet::new();
     problems.retain(|problem| problem_texts.insert(problem.what.clone()));
     if problems.is_empty() { Ok(resolved) } else { Err(problems) }
+}
+
+/// The pages without the sentences about what is not at hand, which their scope counts.
+fn with_omissions(pages: Vec<Page>, facts: &Facts, missing: &[String]) -> Vec<Page> {
+    let mut omitted = 0;
+    let mut without = |page: Page| {
+        let (text, count) = omit::without_absent(&omit::without_references(&page.text, missing));
+        omitted += count;
+        Page { text, ..page }
+    };
+    let pages: Vec<Page> = pages.into_iter().map(&mut without).collect();
+    let scope = generated::scope_in_words(facts, missing, omitted);
+    let with_scope = |page: Page| Page { text: page.text.replace(generated::SCOPE, &scope), ..page };
+    pages.into_iter().map(with_scope).collect()
 }
 
 #[cfg(test)]
@@ -152,14 +171,15 @@ mod tests {
             resolve(&[page(WHOLE)], &facts)
         };
         assert_eq!(without(false).unwrap_err()[0].what, "figure `tail` was not made: study run tail");
-        assert!(without(true).unwrap()[0].text.contains("#absent(\"tail\")"));
+        let left = without(true).unwrap().remove(0).text;
+        assert!(!left.contains("tail") && !left.contains("Seen") && left.contains("trials"), "{left}");
     }
 
     #[test]
-    fn what_this_profile_does_not_measure_is_said_and_not_dropped() {
-        let text = format!("{WHOLE}#num(\"b.known\")");
-        let resolved = resolve(&[page(&text)], &facts()).unwrap();
-        assert!(resolved[0].text.contains("not measured in this profile"));
+    fn what_is_not_at_hand_is_left_out_with_its_sentence_and_counted_once() {
+        let text = format!("{WHOLE}\n\n#scope()\n\nIt is #num(\"b.known\") off. It stays.");
+        let resolved = resolve(&[page(&text)], &facts()).unwrap().remove(0).text;
+        assert!(resolved.contains("hand: 1 sentence.") && resolved.ends_with("\n\nIt stays."), "{resolved}");
         let strict = Facts { strict: true, ..facts() };
         assert_eq!(resolve(&[page(&text)], &strict).unwrap_err().len(), 1);
     }

@@ -1,18 +1,28 @@
-//! Resolution of one page: each of its words is replaced.
+//! Resolution of one page: each of its words is replaced. What is not at hand is marked for [`super::omit`].
 
 use super::facts::{Facts, Made};
+use super::omit::ABSENT;
 use super::scan::{self, Call};
 use super::{Page, Problem, board, generated};
 use crate::claims::{Verdict, short_number};
 
 const WORDS: &[&str] =
-    &["num", "val", "verdict", "when", "plate", "wide", "tabular", "broad", "eq", "claims", "failing"];
-/// The text for a number that this profile does not measure.
-const ABSENT: &str = "#emph[not measured in this profile]";
+    &["num", "val", "verdict", "when", "plate", "wide", "tabular", "broad", "eq", "claims", "failing", "scope"];
 
-/// The resolved page; used figures and tables, and problems, are added to the lists.
-pub(crate) fn resolved_page(page: &Page, facts: &Facts, shown: &mut Vec<String>, problems: &mut Vec<Problem>) -> Page {
-    let text = Resolution { page, facts, shown, problems }.resolved_text(&page.text, 0);
+/// What the pages that were resolved so far have shown and lack.
+#[derive(Default)]
+pub(super) struct Found {
+    /// Names of the figures and tables.
+    pub shown: Vec<String>,
+    /// Labels of those that were not made.
+    pub missing: Vec<String>,
+    /// What prevents building the paper.
+    pub problems: Vec<Problem>,
+}
+
+/// The resolved page; used figures and tables, and problems, are added to what was found.
+pub(super) fn resolved_page(page: &Page, facts: &Facts, found: &mut Found) -> Page {
+    let text = Resolution { page, facts, found }.resolved_text(&page.text, 0);
     Page { name: page.name.clone(), text }
 }
 
@@ -20,9 +30,7 @@ pub(crate) fn resolved_page(page: &Page, facts: &Facts, shown: &mut Vec<String>,
 struct Resolution<'a> {
     page: &'a Page,
     facts: &'a Facts,
-    /// Names of the figures and tables so far.
-    shown: &'a mut Vec<String>,
-    problems: &'a mut Vec<Problem>,
+    found: &'a mut Found,
 }
 
 impl<'a> Resolution<'a> {
@@ -42,13 +50,15 @@ impl<'a> Resolution<'a> {
                         );
                         continue;
                     };
-                    let (inside, start) = blocks[choice];
-                    output += &self.resolved_text(inside, offset + start);
+                    output += &self.chosen_text(&blocks, choice, offset);
                     position = end;
                 }
                 Some(Err(problem)) => self.add_problem(call_offset, problem),
                 None => match self.replacement(&call) {
-                    Ok(words) => output += &words,
+                    Ok(words) => {
+                        output += &words;
+                        position = self.caption_end(&call, text, position);
+                    }
                     Err(problem) => self.add_problem(call_offset, problem),
                 },
             }
@@ -56,28 +66,50 @@ impl<'a> Resolution<'a> {
         output + &text[position..]
     }
 
+    /// The text of the chosen block. Without a choice the sentence around it is left out; nothing is where the blocks are sentences.
+    fn chosen_text(&mut self, blocks: &[(&str, usize)], choice: Option<usize>, offset: usize) -> String {
+        match choice {
+            Some(choice) => {
+                let (inside, start) = blocks[choice];
+                self.resolved_text(inside, offset + start)
+            }
+            None if blocks[0].0.trim_end().ends_with('.') => String::new(),
+            None => ABSENT.to_string(),
+        }
+    }
+
+    /// Where the text goes on: behind the caption of a figure or table that was not made.
+    fn caption_end(&self, call: &Call, text: &str, position: usize) -> usize {
+        let missing = label_of(call).is_some_and(|label| self.found.missing.contains(&label));
+        let caption = || scan::block_inside(text, position).map(|(_, end)| end);
+        if missing { caption().unwrap_or(position) } else { position }
+    }
+
     /// The replacement of a word without blocks.
     fn replacement(&mut self, call: &Call) -> Result<String, String> {
         let facts = self.facts;
         match call.word {
-            "num" | "val" => Ok(match measured_number(call, facts)? {
+            "num" | "val" => Ok(match number_at_hand(call.name, facts)? {
                 Some((number, unit)) => number_in_words(number, call, unit),
-                None => ABSENT.to_owned(),
+                None => ABSENT.to_string(),
             }),
             "plate" | "wide" => {
                 let figure = self.made_text(call, &facts.figures, "figure")?;
-                let word = if figure.is_some() { call.word } else { "absent" };
-                Ok(format!("#{word}(\"{}\")", call.name))
+                Ok(figure.map_or_else(String::new, |_| format!("#{}(\"{}\")", call.word, call.name)))
             }
-            "tabular" | "broad" => match self.made_text(call, &facts.tables, "table")? {
-                Some(csv) => board::typst_table(call.word, call.name, csv),
-                None => Ok(format!("#absent(\"{}\")", call.name)),
-            },
+            "tabular" | "broad" => {
+                let table = self.made_text(call, &facts.tables, "table")?;
+                table.map_or_else(|| Ok(String::new()), |csv| board::typst_table(call.word, call.name, csv))
+            }
             "eq" if facts.tests.as_ref().is_none_or(|tests| tests.contains(call.name)) => {
                 Ok(format!("#eq(\"{}\")", call.name))
             }
             "eq" => Err(format!("no test is called `{}`", call.name)),
-            "claims" => Ok(generated::claim_table(facts)),
+            "scope" => Ok(generated::SCOPE.to_string()),
+            "claims" => Ok(generated::claim_table(facts).unwrap_or_else(|| {
+                self.found.missing.push("tab:claims".to_owned());
+                String::new()
+            })),
             _ => Ok(generated::failing_claims(facts)),
         }
     }
@@ -86,23 +118,26 @@ impl<'a> Resolution<'a> {
     fn made_text(&mut self, call: &Call, entries: &'a [Made], kind: &str) -> Result<Option<&'a str>, String> {
         let name = call.name;
         let entry = entries.iter().find(|m| m.name == name).ok_or_else(|| format!("there is no {kind} `{name}`"))?;
-        if self.shown.iter().any(|s| s == name) {
+        if self.found.shown.iter().any(|s| s == name) {
             return Err(format!("{kind} `{name}` is shown twice"));
         }
-        self.shown.push(name.to_owned());
+        self.found.shown.push(name.to_owned());
         match &entry.text {
             Some(text) => Ok(Some(text)),
             None if self.facts.strict && !entry.elsewhere => {
                 Err(format!("{kind} `{name}` was not made: study run {name}"))
             }
-            None => Ok(None),
+            None => {
+                self.found.missing.extend(label_of(call));
+                Ok(None)
+            }
         }
     }
 
     /// Records a problem at a byte of the page.
     fn add_problem(&mut self, position: usize, what: String) {
         let line = scan::line_number(&self.page.text, position);
-        self.problems.push(Problem { page: self.page.name.clone(), line, what });
+        self.found.problems.push(Problem { page: self.page.name.clone(), line, what });
     }
 }
 
@@ -117,35 +152,55 @@ fn blocks_after(text: &str, start: usize, count: usize) -> Option<(Vec<(&str, us
     Some((insides, position))
 }
 
-/// Index of the chosen block after a call and their number; none for words without blocks.
-fn chosen_block(call: &Call, facts: &Facts) -> Option<Result<(usize, usize), String>> {
+/// The label of a figure or table; none for other words.
+fn label_of(call: &Call) -> Option<String> {
+    let prefix = match call.word {
+        "plate" | "wide" => "fig",
+        "tabular" | "broad" => "tab",
+        _ => return None,
+    };
+    Some(format!("{prefix}:{}", call.name))
+}
+
+/// Index of the chosen block after a call, where one is chosen, and the number of blocks; none for words without blocks.
+fn chosen_block(call: &Call, facts: &Facts) -> Option<Result<(Option<usize>, usize), String>> {
     match call.word {
         "verdict" => {
             let claim = facts.claims.iter().find(|c| c.name == call.name);
             // the text says what came out, the table of claims who decided it
             let verdict = claim.map(|c| match c.rule_outcome(&facts.metrics) {
-                Verdict::Reproduces | Verdict::SetByBench => (0, 3),
-                Verdict::Fails => (1, 3),
-                Verdict::NotMeasured | Verdict::Undetermined => (2, 3),
+                Verdict::Reproduces | Verdict::SetByBench => (Some(0), 3),
+                Verdict::Fails | Verdict::FailsByBench => (Some(1), 3),
+                Verdict::Undetermined => (Some(2), 3),
+                Verdict::NotMeasured => (None, 3),
             });
             Some(verdict.ok_or_else(|| format!("claim `{}` is not in claims.toml", call.name)))
         }
-        "when" => Some(measured_number(call, facts).map(|number| (usize::from(number.is_none()), 2))),
+        "when" => Some(all_at_hand(call, facts).map(|all| (Some(usize::from(!all)), 2))),
         _ => None,
     }
 }
 
-/// The number and its unit; nothing where this profile does not measure it.
-fn measured_number<'a>(call: &Call, facts: &'a Facts) -> Result<Option<(f64, &'a str)>, String> {
-    let matching = facts.metrics.iter().find(|m| m.metric.id == call.name);
+/// Whether every number that a `#when` names is at hand; a figure or table is named by its label.
+fn all_at_hand(call: &Call, facts: &Facts) -> Result<bool, String> {
+    let at_hand = |name: &&str| match name.split_once(':') {
+        Some(("fig", figure)) => Ok(facts.figures.iter().any(|made| made.name == figure && made.text.is_some())),
+        Some(("tab", table)) => Ok(facts.tables.iter().any(|made| made.name == table && made.text.is_some())),
+        _ => number_at_hand(name, facts).map(|number| number.is_some()),
+    };
+    call.names.iter().map(at_hand).try_fold(true, |all, one| Ok(all & one?))
+}
+
+/// The number and its unit; nothing where it is known and not at hand.
+fn number_at_hand<'a>(name: &str, facts: &'a Facts) -> Result<Option<(f64, &'a str)>, String> {
+    let matching = facts.metrics.iter().find(|m| m.metric.id == name);
     match matching {
         Some(entry) => Ok(Some((entry.metric.value, entry.metric.unit.as_str()))),
-        None if facts.known.contains(call.name) && !facts.strict => Ok(None),
-        None if facts.known.contains(call.name) => Err(format!("number `{}` was not computed: study run", call.name)),
-        None => Err(format!(
-            "number `{}` is not defined: no stage makes it and paper/expected.toml does not list it",
-            call.name
-        )),
+        None if facts.known.contains(name) && !facts.strict => Ok(None),
+        None if facts.known.contains(name) => Err(format!("number `{name}` was not computed: study run")),
+        None => {
+            Err(format!("number `{name}` is not defined: no stage makes it and paper/expected.toml does not list it"))
+        }
     }
 }
 

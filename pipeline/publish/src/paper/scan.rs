@@ -7,6 +7,8 @@ pub struct Call<'a> {
     pub word: &'a str,
     /// Its first argument; empty where it has none.
     pub name: &'a str,
+    /// All its arguments that are names.
+    pub names: Vec<&'a str>,
     /// Its `digits`.
     pub digits: Option<usize>,
     /// Where it begins and ends in the page, bytes.
@@ -25,10 +27,11 @@ fn parsed_call<'a>(text: &'a str, words: &[&'a str], start: usize) -> Option<Cal
     let word = words.iter().find(is_call)?;
     let arguments_start = start + 1 + word.len() + 1;
     let end = arguments_start + text[arguments_start..].find(')')?;
-    let mut parts = text[arguments_start..end].split(',').map(str::trim);
-    let name = parts.next().unwrap_or_default().trim_matches('"');
-    let digits = parts.find_map(|p| p.strip_prefix("digits:")).and_then(|n| n.trim().parse().ok());
-    Some(Call { word, name, digits, span: (start, end + 1) })
+    let parts: Vec<&str> = text[arguments_start..end].split(',').map(str::trim).collect();
+    let names: Vec<&str> = parts.iter().filter(|p| p.starts_with('"')).map(|p| p.trim_matches('"')).collect();
+    let name = names.first().copied().unwrap_or_default();
+    let digits = parts.iter().find_map(|p| p.strip_prefix("digits:")).and_then(|n| n.trim().parse().ok());
+    Some(Call { word, name, names, digits, span: (start, end + 1) })
 }
 
 /// The inside of a block that begins at `from`, and where it ends; nothing where none begins or it never closes.

@@ -6,6 +6,7 @@
 
 mod bending;
 mod cell;
+mod deviation;
 mod silicone;
 mod valve;
 mod water;
@@ -17,6 +18,7 @@ use diagnostics::Result;
 
 use crate::settings::Settings;
 use crate::specimens::ALL;
+pub(crate) use deviation::{explanation, known_deviations, unexplained};
 
 /// One quantity of real instruments and of the bench.
 #[derive(Debug, Clone, PartialEq)]

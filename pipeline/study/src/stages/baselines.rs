@@ -1,7 +1,7 @@
-//! Baselines: predictions of a motion without a simulation.
+//! Baselines: predictions of a motion without a simulation of it.
 //!
-//! Rest: nothing moves. Quasi-static: at each instant the equilibrium under the pressures. Last cycle: the measurement one cycle
-//! before, which no simulation may use.
+//! Rest: nothing moves. Quasi-static: at each instant the identified model's equilibrium under the pressures; no baseline without a model. Last
+//! cycle: the measurement one cycle before, which no simulation may use.
 
 use si::{Hertz, Metre, Pascal, Point2, Second};
 

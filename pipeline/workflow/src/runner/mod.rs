@@ -19,6 +19,7 @@ mod report;
 mod schedule;
 mod staleness;
 mod store;
+mod times;
 mod tree;
 mod usage;
 
@@ -214,6 +215,14 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn schedule(&self, goal: &Goal, workers: &[usize]) -> Result<String> {
         Ok(schedule::text(self, &self.jobs_of(goal)?, workers))
+    }
+
+    /// What the records of each stage took, and how many are left to make.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn times(&self, goal: &Goal) -> Result<String> {
+        Ok(times::text(self, &self.jobs_of(goal)?))
     }
 
     /// The records that a run would make, by name.

@@ -49,8 +49,9 @@ impl Report {
 
     /// A record that was made.
     pub fn made(&self, id: &RecordId, summary: &str, seconds: f64) {
-        self.say(&format!("{:<16} {:<28} {summary:<60} made {seconds:6.1} s", id.stage, id.subject));
         self.total.inc(1);
+        let left = self.total.length().unwrap_or_default().saturating_sub(self.total.position());
+        self.say(&format!("{:<16} {:<28} {summary:<60} made {seconds:6.1} s, {left} left", id.stage, id.subject));
     }
 
     /// A record that is up to date.
