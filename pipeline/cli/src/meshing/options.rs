@@ -85,7 +85,10 @@ mod tests {
 
     #[test]
     fn a_length_is_in_metres_or_has_a_unit() {
-        assert_eq!([parse_length("0.004"), parse_length("4mm"), parse_length("0.4 cm")], [Ok(0.004); 3]);
+        assert_eq!(
+            [parse_length("0.004"), parse_length("4mm"), parse_length("0.4 cm")],
+            [Ok(0.004), Ok(0.004), Ok(0.004)]
+        );
         for (text, said) in [("4", "4mm"), ("four", "none of the units"), ("mm", "not a length"), ("4ft", "none of")] {
             assert!(parse_length(text).is_err_and(|why| why.contains(said)), "{text}");
         }

@@ -55,7 +55,7 @@ struct BoxPoint {
 }
 
 /// An equilibrium that teaches.
-struct Lesson {
+struct TrainingEquilibrium {
     point: BoxPoint,
     displacement: Vec<f64>,
     changes: Vec<Vec<f64>>,
@@ -66,12 +66,12 @@ pub(super) struct Training<'a> {
     pub system: &'a System,
     pub space: &'a TrainingBox,
     pub settings: StaticSettings,
-    lessons: Vec<Lesson>,
+    equilibria: Vec<TrainingEquilibrium>,
 }
 
 impl<'a> Training<'a> {
     pub fn new(system: &'a System, space: &'a TrainingBox, settings: StaticSettings) -> Self {
-        Self { system, space, settings, lessons: Vec::new() }
+        Self { system, space, settings, equilibria: Vec::new() }
     }
 
     /// # Errors
@@ -85,21 +85,21 @@ impl<'a> Training<'a> {
             let (whole, difference) = self.check(&model, &point)?;
             progress(&format!(
                 "{} equilibria taught, point {number} differs by {:.2} %",
-                self.lessons.len(),
+                self.equilibria.len(),
                 100.0 * difference
             ));
             if difference <= self.space.tolerance {
                 checked = (checked.0 + 1, checked.1.max(difference));
                 continue;
             }
-            if self.lessons.len() >= self.space.most {
+            if self.equilibria.len() >= self.space.most {
                 return Err(self.not_trained(difference));
             }
             self.teach(point, whole)?;
             (model, checked) = (self.reduced()?, (0, 0.0));
         }
         let model = Arc::try_unwrap(model).unwrap_or_else(|_| unreachable!("no solver keeps the model"));
-        Ok(Trained { model, taught: self.lessons.len(), checked })
+        Ok(Trained { model, taught: self.equilibria.len(), checked })
     }
 
     /// Teaches the pressures of each chamber alone at the middle of the constants, then all of them together.
@@ -169,18 +169,18 @@ impl<'a> Training<'a> {
             Ok(solver.sensitivity(&found, *parameter)?.into_iter().map(|by| half * by).collect())
         };
         let changes = self.space.constants.iter().map(change).collect::<Result<_>>()?;
-        self.lessons.push(Lesson { point, displacement: found.displacement, changes });
+        self.equilibria.push(TrainingEquilibrium { point, displacement: found.displacement, changes });
         Ok(())
     }
 
     fn reduced(&self) -> Result<Arc<ReducedModel>> {
         let snapshots: Vec<Snapshot> = self
-            .lessons
+            .equilibria
             .iter()
-            .map(|lesson| Snapshot {
-                displacement: &lesson.displacement,
-                regions: &lesson.point.regions,
-                changes: &lesson.changes,
+            .map(|known| Snapshot {
+                displacement: &known.displacement,
+                regions: &known.point.regions,
+                changes: &known.changes,
             })
             .collect();
         let tolerance = CUBATURE * self.space.tolerance;
@@ -193,7 +193,7 @@ impl<'a> Training<'a> {
         let predicted = self.predicted(model, point);
         let whole = self.whole(point, predicted.as_deref())?;
         let largest =
-            self.lessons.iter().flat_map(|lesson| &lesson.displacement).fold(0.0, |most: f64, u| most.max(u.abs()));
+            self.equilibria.iter().flat_map(|known| &known.displacement).fold(0.0, |most: f64, u| most.max(u.abs()));
         let away = |predicted: &Vec<f64>| {
             predicted.iter().zip(&whole.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
         };
@@ -203,11 +203,11 @@ impl<'a> Training<'a> {
 
     /// By the reduced model from the nearest equilibrium that taught it; none where it finds no equilibrium.
     fn predicted(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Option<Vec<f64>> {
-        let distance = |lesson: &Lesson| {
-            let each = lesson.point.pressures.iter().zip(&point.pressures).zip(&self.space.pressures);
+        let distance = |known: &TrainingEquilibrium| {
+            let each = known.point.pressures.iter().zip(&point.pressures).zip(&self.space.pressures);
             each.map(|((a, b), range)| ((a - b) / (range.high - range.low).max(f64::MIN_POSITIVE)).powi(2)).sum::<f64>()
         };
-        let nearest = self.lessons.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let nearest = self.equilibria.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let start: DVector<f64> = model.projected(&nearest.displacement);
         let solver = ReducedSolver::new(Arc::clone(model), point.regions.clone());
         let found = solver.equilibrium_near(&point.pressures, &start, &start).ok()?;
@@ -218,7 +218,7 @@ impl<'a> Training<'a> {
         Diagnostic::new(
             format!(
                 "after {} equilibria the reduced model still differs by {:.2} %",
-                self.lessons.len(),
+                self.equilibria.len(),
                 100.0 * difference
             ),
             format!("{:.2} % were asked for", 100.0 * self.space.tolerance),
