@@ -133,17 +133,8 @@ fn run_command(cli: &Cli) -> Result<bool> {
             }
             Ok(true)
         }
-        Command::Reduce { case, over, pressure, tolerance, equilibria, out } => {
-            let options = simulate::ReduceOptions {
-                case: case.clone(),
-                over: over.clone(),
-                pressures: pressure.clone(),
-                tolerance: *tolerance,
-                equilibria: *equilibria,
-                out: out.clone(),
-                quiet: cli.place.quiet,
-            };
-            output::line(simulate::reduce(&options)?);
+        Command::Reduce(asked) => {
+            output::line(simulate::reduce(&asked.options(cli.place.quiet))?);
             Ok(true)
         }
         Command::Mesh(asked) => {

@@ -6,6 +6,7 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::meshing::options::MeshSurfaces;
+use crate::reducing::ReduceCase;
 use workflow::settings;
 
 /// Recordings in, paper out: tracks, identified materials, validation, figures, tables.
@@ -144,25 +145,7 @@ pub enum Command {
     },
     /// Train a reduced model of a case's body over ranges of constants and pressures: its equilibria take milliseconds, and
     /// `softfish.ReducedModel.load` steps it. It is checked against the whole body at points drawn from the ranges.
-    Reduce {
-        /// The case: a body on which nothing but pressures acts.
-        case: PathBuf,
-        /// A range of a modulus (Pa) or of a Poisson's ratio: E.body=1e5..3e5, nu.body=0.45..0.49. May be repeated.
-        #[arg(long, value_name = "CONSTANT=LOW..HIGH")]
-        over: Vec<simulate::NamedRange>,
-        /// The range of a chamber's pressure, Pa, by its name in the case or its number: air=0..3e4. May be repeated.
-        #[arg(long, value_name = "CHAMBER=LOW..HIGH", required = true)]
-        pressure: Vec<simulate::NamedRange>,
-        /// Largest difference of a node from the whole body, over the largest displacement.
-        #[arg(long, default_value_t = 5e-3, value_parser = number_parser(1e-6, 0.5))]
-        tolerance: f64,
-        /// Equilibria of the whole body that may teach it, at most.
-        #[arg(long, default_value_t = 60, value_parser = count_parser(1..=1000))]
-        equilibria: usize,
-        /// The file that is written, of safetensors.
-        #[arg(long, value_name = "MODEL.safetensors")]
-        out: PathBuf,
-    },
+    Reduce(ReduceCase),
     /// Mesh closed surfaces: a body with inserts that displace it, and cavities, each in an STL file, become quadratic tetrahedra with regions and
     /// chambers. Prints a report; columns are taken where they divide the body, else the general method, which takes any closed surface.
     Mesh(MeshSurfaces),

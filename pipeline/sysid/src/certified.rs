@@ -93,14 +93,14 @@ impl CertifiedSearch {
         loop {
             rounds += 1;
             progress(rounds);
-            let mut reduced = whole.reduced()?;
-            reduced.correct(&elastic, &levels)?;
+            let mut reduced = whole.train_reduced()?;
+            reduced.correct_markers(&elastic, &levels)?;
             let search_began = Instant::now();
             let found;
             (elastic, found) = search(&mut reduced)?;
             durations.search += search_began.elapsed().as_secs_f64();
             let sigma;
-            (levels, sigma) = certify((whole, &mut reduced), &elastic, (self.derivatives, self.discrepancy))?;
+            (levels, sigma) = certify_end((whole, &mut reduced), &elastic, (self.derivatives, self.discrepancy))?;
             let certificate = Certificate { sigma, rounds, whole_equilibria: (rounds + 1) * levels.len() };
             if certificate.holds() || rounds == ROUNDS {
                 durations.training = began.elapsed().as_secs_f64() - durations.search;
@@ -112,13 +112,13 @@ impl CertifiedSearch {
 
 /// The whole body with these constants, derived by `derivatives`, and the largest difference of a marker from the reduced model there over its
 /// deviation, to which `discrepancy` adds.
-pub(crate) fn certify(
+pub(crate) fn certify_end(
     (whole, reduced): (&mut LevelSolver, &mut LevelSolver),
     elastic: &Elastic,
     (derivatives, discrepancy): (Derivatives, Metre),
 ) -> Result<(Vec<SimulatedLevel>, f64)> {
     let predicted = reduced.solve(elastic, Derivatives::None)?;
-    whole.guess(elastic, &predicted);
+    whole.add_guesses(elastic, &predicted);
     let levels = whole.solve(elastic, derivatives)?;
     let each = whole.levels().iter().zip(predicted.iter().zip(&levels));
     let sigma = each.map(|(level, pair)| largest_difference(level, pair, discrepancy)).fold(0.0, f64::max);

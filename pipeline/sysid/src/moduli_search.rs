@@ -71,14 +71,14 @@ impl ModuliSearch {
         let nominal = loss.model.nominal.stiffening;
         let refused = match self.model {
             SearchModel::Whole => "the settings ask for the whole body".to_owned(),
-            SearchModel::Reduced => match self.certified(loss, nominal, progress) {
+            SearchModel::Reduced => match self.search_certified(loss, nominal, progress) {
                 Ok(minimum) => return Ok(minimum),
                 Err(diagnostic) => diagnostic.what,
             },
         };
         progress("in the whole body");
         let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
-        let (elastic, (moduli, problem, stiffened)) = self.search(loss, nominal, &mut whole)?;
+        let (elastic, (moduli, problem, stiffened)) = self.search_with(loss, nominal, &mut whole)?;
         let levels = whole.solve(&elastic, Derivatives::None)?;
         Ok(Minimum {
             moduli,
@@ -90,7 +90,7 @@ impl ModuliSearch {
         })
     }
 
-    fn certified(&self, loss: &mut Loss, nominal: [f64; 2], progress: &dyn Fn(&str)) -> Result<Minimum> {
+    fn search_certified(&self, loss: &mut Loss, nominal: [f64; 2], progress: &dyn Fn(&str)) -> Result<Minimum> {
         let derivatives = match loss.is_stiffening() {
             true => Derivatives::StiffeningSensitivities,
             false => Derivatives::Sensitivities,
@@ -99,12 +99,12 @@ impl ModuliSearch {
         let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
         let round = |number: usize| progress(&format!("in a reduced model, round {number}"));
         let Certified { found: (moduli, problem, stiffened), levels, certificate, durations, .. } =
-            by.run(&mut whole, &mut |solver| self.search(loss, nominal, solver), &round)?;
+            by.run(&mut whole, &mut |solver| self.search_with(loss, nominal, solver), &round)?;
         Ok(Minimum { moduli, problem, stiffened, levels, certificate: Ok(certificate), durations })
     }
 
     /// Searches with one solver, from the `nominal` stiffening.
-    fn search(&self, loss: &mut Loss, nominal: [f64; 2], solver: &mut LevelSolver) -> Result<(Elastic, Found)> {
+    fn search_with(&self, loss: &mut Loss, nominal: [f64; 2], solver: &mut LevelSolver) -> Result<(Elastic, Found)> {
         loss.model.nominal.stiffening = nominal;
         let mut bounds = loss.bounds();
         let mut problem = loss.problem(bounds.clone())?;

@@ -6,7 +6,7 @@
 use optimize::Bounds;
 use si::Second;
 
-use crate::certified::{Certificate, ROUNDS, certify};
+use crate::certified::{Certificate, ROUNDS, certify_end};
 use crate::levels::{Derivatives, LevelSolver};
 use crate::loss::{Loss, SearchResult};
 use crate::model::Elastic;
@@ -39,8 +39,8 @@ impl<'a> TrainedBox<'a> {
             let _ = whole.solve(&loss.elastic(&corner), Derivatives::Sensitivities);
         }
         let levels = whole.solve(&middle, Derivatives::Sensitivities)?;
-        let mut reduced = whole.reduced()?;
-        reduced.correct(&middle, &levels)?;
+        let mut reduced = whole.train_reduced()?;
+        reduced.correct_markers(&middle, &levels)?;
         Ok(Self { loss, whole, reduced, middle, certificate: Certificate::default(), whole_seconds: 0.0 })
     }
 
@@ -74,15 +74,15 @@ impl<'a> TrainedBox<'a> {
                 return Ok((searches, self.certificate));
             }
             let levels = self.whole.solve(&self.middle, Derivatives::Sensitivities)?;
-            self.reduced = self.whole.reduced()?;
-            self.reduced.correct(&self.middle, &levels)?;
+            self.reduced = self.whole.train_reduced()?;
+            self.reduced.correct_markers(&self.middle, &levels)?;
         }
     }
 
     /// Certifies one of so many `ends`.
     fn certify(&mut self, elastic: &Elastic, ends: usize) -> Result<()> {
         let by = (Derivatives::Sensitivities, self.loss.misfit.discrepancy());
-        let (levels, sigma) = certify((&mut self.whole, &mut self.reduced), elastic, by)?;
+        let (levels, sigma) = certify_end((&mut self.whole, &mut self.reduced), elastic, by)?;
         self.certificate.sigma = self.certificate.sigma.max(sigma);
         self.certificate.whole_equilibria += levels.len();
         self.whole_seconds += levels.iter().map(|level| level.forward_seconds).sum::<Second>() / ends as f64;

@@ -40,7 +40,7 @@ pub(super) struct TrainingBox {
 /// A trained model.
 #[derive(Debug)]
 pub(super) struct Trained {
-    pub model: ReducedModel,
+    pub model: Arc<ReducedModel>,
     /// Equilibria that taught it.
     pub taught: usize,
     /// Points that were checked and not taught, and their largest difference.
@@ -78,11 +78,11 @@ impl<'a> Training<'a> {
     /// A [`Diagnostic`] when the whole body has no equilibrium in the box, the model cannot be made, or it does not serve after so many equilibria.
     pub fn run(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
         self.follow_pressures()?;
-        let (mut model, mut checked, mut number) = (self.reduced()?, (0, 0.0_f64), 0);
+        let (mut model, mut checked, mut number) = (self.reduced_model()?, (0, 0.0_f64), 0);
         while checked.0 < CHECKS {
             number += 1;
-            let point = self.drawn(number);
-            let (whole, difference) = self.check(&model, &point)?;
+            let point = self.drawn_point(number);
+            let (whole, difference) = self.check_point(&model, &point)?;
             progress(&format!(
                 "{} equilibria taught, point {number} differs by {:.2} %",
                 self.equilibria.len(),
@@ -96,9 +96,8 @@ impl<'a> Training<'a> {
                 return Err(self.not_trained(difference));
             }
             self.teach(point, whole)?;
-            (model, checked) = (self.reduced()?, (0, 0.0));
+            (model, checked) = (self.reduced_model()?, (0, 0.0));
         }
-        let model = Arc::try_unwrap(model).unwrap_or_else(|_| unreachable!("no solver keeps the model"));
         Ok(Trained { model, taught: self.equilibria.len(), checked })
     }
 
@@ -112,25 +111,30 @@ impl<'a> Training<'a> {
             let mut last: Option<Vec<f64>> = None;
             for step in 1..=STEPS {
                 let mut pressures = rest.clone();
-                let high = self.space.pressures[chamber].high;
-                pressures[chamber] += (high - rest[chamber]) * step as f64 / STEPS as f64;
-                let point = BoxPoint { regions: self.regions(&middle), pressures };
-                let found = self.whole(&point, last.as_deref())?;
+                pressures[chamber] += (self.farthest(chamber) - rest[chamber]) * step as f64 / STEPS as f64;
+                let point = BoxPoint { regions: self.regions_at(&middle), pressures };
+                let found = self.whole_equilibrium(&point, last.as_deref())?;
                 last = Some(found.displacement.clone());
                 self.teach(point, found)?;
             }
         }
         if moved.len() > 1 {
-            let pressures = self.space.pressures.iter().map(|range| range.high).collect();
-            let point = BoxPoint { regions: self.regions(&middle), pressures };
-            let found = self.whole(&point, None)?;
+            let pressures = (0..rest.len()).map(|chamber| self.farthest(chamber)).collect();
+            let point = BoxPoint { regions: self.regions_at(&middle), pressures };
+            let found = self.whole_equilibrium(&point, None)?;
             self.teach(point, found)?;
         }
         Ok(())
     }
 
+    /// The end of a chamber's range that is farther from ambient pressure, Pa.
+    fn farthest(&self, chamber: usize) -> Pascal {
+        let NamedRange { low, high, .. } = self.space.pressures[chamber];
+        if low.abs() > high.abs() { low } else { high }
+    }
+
     /// The regions with each constant at a part (0 to 1) of its range.
-    fn regions(&self, parts: &[f64]) -> Vec<RegionProperties> {
+    fn regions_at(&self, parts: &[f64]) -> Vec<RegionProperties> {
         let mut regions = self.system.regions().to_vec();
         for ((parameter, range), part) in self.space.constants.iter().zip(parts) {
             match *parameter {
@@ -143,14 +147,14 @@ impl<'a> Training<'a> {
     }
 
     /// The point `number` (from 1) of an even sequence over the box.
-    fn drawn(&self, number: usize) -> BoxPoint {
+    fn drawn_point(&self, number: usize) -> BoxPoint {
         let parts: Vec<f64> = BASES.iter().map(|base| radical_inverse(number, *base)).collect();
         let (constants, pressures) = parts.split_at(self.space.constants.len());
         let pressures = self.space.pressures.iter().zip(pressures).map(|(range, part)| range.value_at(*part));
-        BoxPoint { regions: self.regions(constants), pressures: pressures.collect() }
+        BoxPoint { regions: self.regions_at(constants), pressures: pressures.collect() }
     }
 
-    fn solver(&self, point: &BoxPoint) -> Result<Solver> {
+    fn solver_at(&self, point: &BoxPoint) -> Result<Solver> {
         let mut solver = self.system.solver();
         for (index, region) in point.regions.iter().enumerate() {
             solver.set_elastic(index, region.youngs_modulus, region.poissons_ratio)?;
@@ -158,12 +162,12 @@ impl<'a> Training<'a> {
         Ok(solver)
     }
 
-    fn whole(&self, point: &BoxPoint, guess: Option<&[f64]>) -> Result<Equilibrium> {
-        Ok(self.solver(point)?.equilibrium(&point.pressures, guess, &self.settings)?)
+    fn whole_equilibrium(&self, point: &BoxPoint, guess: Option<&[f64]>) -> Result<Equilibrium> {
+        Ok(self.solver_at(point)?.equilibrium(&point.pressures, guess, &self.settings)?)
     }
 
     fn teach(&mut self, point: BoxPoint, found: Equilibrium) -> Result<()> {
-        let mut solver = self.solver(&point)?;
+        let mut solver = self.solver_at(&point)?;
         let change = |(parameter, range): &(Parameter, NamedRange)| -> Result<Vec<f64>> {
             let half = 0.5 * (range.high - range.low);
             Ok(solver.sensitivity(&found, *parameter)?.into_iter().map(|by| half * by).collect())
@@ -173,7 +177,7 @@ impl<'a> Training<'a> {
         Ok(())
     }
 
-    fn reduced(&self) -> Result<Arc<ReducedModel>> {
+    fn reduced_model(&self) -> Result<Arc<ReducedModel>> {
         let snapshots: Vec<Snapshot> = self
             .equilibria
             .iter()
@@ -189,9 +193,9 @@ impl<'a> Training<'a> {
     }
 
     /// The whole body at a point, and the largest difference of the reduced one.
-    fn check(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Result<(Equilibrium, f64)> {
-        let predicted = self.predicted(model, point);
-        let whole = self.whole(point, predicted.as_deref())?;
+    fn check_point(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Result<(Equilibrium, f64)> {
+        let predicted = self.predicted_displacement(model, point);
+        let whole = self.whole_equilibrium(point, predicted.as_deref())?;
         let largest =
             self.equilibria.iter().flat_map(|known| &known.displacement).fold(0.0, |most: f64, u| most.max(u.abs()));
         let away = |predicted: &Vec<f64>| {
@@ -202,7 +206,7 @@ impl<'a> Training<'a> {
     }
 
     /// By the reduced model from the nearest equilibrium that taught it; none where it finds no equilibrium.
-    fn predicted(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Option<Vec<f64>> {
+    fn predicted_displacement(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Option<Vec<f64>> {
         let distance = |known: &TrainingEquilibrium| {
             let each = known.point.pressures.iter().zip(&point.pressures).zip(&self.space.pressures);
             each.map(|((a, b), range)| ((a - b) / (range.high - range.low).max(f64::MIN_POSITIVE)).powi(2)).sum::<f64>()

@@ -102,6 +102,12 @@ impl Validation {
     pub(crate) fn rmse_percent(&self) -> f64 {
         100.0 * self.rmse / self.length
     }
+
+    /// The largest distance of a frame's simulated displacement from the measured one, in per cent of the specimen's length.
+    fn max_percent(&self) -> f64 {
+        let distance = |(a, b): (&Point2, &Point2)| (a[0] - b[0]).hypot(a[1] - b[1]);
+        100.0 * self.simulated.iter().zip(&self.measured).map(distance).fold(0.0, f64::max) / self.length
+    }
 }
 
 impl Record for Validation {
@@ -186,6 +192,7 @@ impl Record for Validation {
         let mut metrics = vec![
             Metric::new(id("rmse_mm"), 1e3 * self.rmse, "mm"),
             Metric::new(id("rmse_percent"), self.rmse_percent(), "%"),
+            Metric::new(id("max_percent"), self.max_percent(), "%"),
             Metric::new(id("amplitude_mm"), 1e3 * self.amplitude.value, "mm"),
             Metric::new(id("amplitude_mm.sigma"), 1e3 * self.amplitude.value * self.amplitude.sigma, "mm"),
             Metric::new(id("zero_motion_rmse_percent"), percent(self.zero_motion_rmse), "%"),

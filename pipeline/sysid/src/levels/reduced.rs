@@ -25,10 +25,10 @@ impl LevelSolver {
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when it knows none, or the body cannot be reduced.
-    pub(crate) fn reduced(&self) -> Result<Self> {
+    pub(crate) fn train_reduced(&self) -> Result<Self> {
         let known = self.known.newest_apart(APART);
-        let regions: Vec<Vec<RegionProperties>> = known.iter().map(|shape| self.regions(&shape.load)).collect();
-        let changes: Vec<Vec<Vec<f64>>> = known.iter().map(|shape| changes(shape)).collect();
+        let regions: Vec<Vec<RegionProperties>> = known.iter().map(|shape| self.regions_under(&shape.load)).collect();
+        let changes: Vec<Vec<Vec<f64>>> = known.iter().map(|shape| scaled_changes(shape)).collect();
         let training: Vec<Snapshot> = known
             .iter()
             .zip(regions.iter().zip(&changes))
@@ -37,7 +37,7 @@ impl LevelSolver {
         let reduced = self.model().system.reduce_trained(&training, &SETTINGS);
         let shapes = ReducedShapes::new(self.model(), reduced?);
         let mut coordinates = Surrogate::default();
-        known.iter().rev().for_each(|shape| coordinates.add(projected(shape, &shapes)));
+        known.iter().rev().for_each(|shape| coordinates.add(projected_shape(shape, &shapes)));
         Ok(self.seeking(Unknowns::Coordinates(shapes.into()), coordinates))
     }
 
@@ -45,7 +45,7 @@ impl LevelSolver {
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when it finds no equilibrium there.
-    pub(crate) fn correct(&mut self, elastic: &Elastic, whole: &[SimulatedLevel]) -> Result<()> {
+    pub(crate) fn correct_markers(&mut self, elastic: &Elastic, whole: &[SimulatedLevel]) -> Result<()> {
         self.corrections = Vec::new();
         let own = self.solve(elastic, Derivatives::None)?;
         let difference = |(whole, own): (&Point2, &Point2)| [whole[0] - own[0], whole[1] - own[1]];
@@ -58,7 +58,7 @@ impl LevelSolver {
     }
 
     /// Takes these `simulated` levels as guesses of its own at the same constants.
-    pub(crate) fn guess(&mut self, elastic: &Elastic, simulated: &[SimulatedLevel]) {
+    pub(crate) fn add_guesses(&mut self, elastic: &Elastic, simulated: &[SimulatedLevel]) {
         for (level, simulated) in self.levels.iter().zip(simulated) {
             let load = Load::new(level.filled(), level.top(), elastic, self.unit);
             self.known.add(KnownShape::new(load, simulated.displacement.clone()));
@@ -66,7 +66,7 @@ impl LevelSolver {
     }
 
     /// The regions of a body with this load; the modulus that all of its stresses share does not matter.
-    fn regions(&self, load: &Load) -> Vec<RegionProperties> {
+    fn regions_under(&self, load: &Load) -> Vec<RegionProperties> {
         let model = self.model();
         let (_, elastic) = load.constants(model.nominal.youngs_moduli[BODY], self.unit);
         let mut regions = model.system.regions().to_vec();
@@ -79,7 +79,7 @@ impl LevelSolver {
 }
 
 /// The changes of a shape by each coordinate of its load as far as a search may move it.
-fn changes(known: &KnownShape) -> Vec<Vec<f64>> {
+fn scaled_changes(known: &KnownShape) -> Vec<Vec<f64>> {
     let scaled = |Slope { coordinate, slope }: &Slope| {
         let spread = known.load.spread(*coordinate);
         slope.iter().map(|by| spread * by).collect()
@@ -88,7 +88,7 @@ fn changes(known: &KnownShape) -> Vec<Vec<f64>> {
 }
 
 /// A known shape in reduced coordinates.
-fn projected(known: &KnownShape, onto: &ReducedShapes) -> KnownShape {
+fn projected_shape(known: &KnownShape, onto: &ReducedShapes) -> KnownShape {
     let slope = |of: &Slope| Slope { coordinate: of.coordinate, slope: onto.projected(&of.slope) };
     KnownShape {
         load: known.load.clone(),
