@@ -105,6 +105,8 @@ fn tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Resu
     match set.method {
         Method::Columns => Ok((columns(assembly, set)?, None)),
         Method::General => Ok((mesh_general(assembly, set, watch)?, None)),
+        // the general method meshes whole bodies alone
+        Method::Auto if set.use_symmetry => Ok((columns(assembly, set)?, None)),
         Method::Auto => {
             match columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
                 Ok(made) => Ok((made, None)),
