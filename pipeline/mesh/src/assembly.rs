@@ -82,7 +82,7 @@ impl<'a> Assembly<'a> {
             space.label(add(place, by)) != space.label(sub(place, by))
         };
         let probed = |s: &&Surface| probes(s).into_iter().all(|f| bounds(s.corners(f), middle(s.corners(f))));
-        if surfaces.iter().all(|s| probed(s)) {
+        if surfaces.iter().all(probed) {
             return None;
         }
         let mut visible = Surface::default();

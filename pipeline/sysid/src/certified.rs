@@ -94,7 +94,7 @@ impl CertifiedSearch {
             rounds += 1;
             progress(rounds);
             let mut reduced = whole.train_reduced()?;
-            reduced.correct_markers(&elastic, &levels)?;
+            reduced.correct_markers(&elastic, self.derivatives, &levels)?;
             let search_began = Instant::now();
             let found;
             (elastic, found) = search(&mut reduced)?;

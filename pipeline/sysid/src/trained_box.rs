@@ -40,7 +40,7 @@ impl<'a> TrainedBox<'a> {
         }
         let levels = whole.solve(&middle, Derivatives::Sensitivities)?;
         let mut reduced = whole.train_reduced()?;
-        reduced.correct_markers(&middle, &levels)?;
+        reduced.correct_markers(&middle, Derivatives::Sensitivities, &levels)?;
         Ok(Self { loss, whole, reduced, middle, certificate: Certificate::default(), whole_seconds: 0.0 })
     }
 
@@ -75,7 +75,7 @@ impl<'a> TrainedBox<'a> {
             }
             let levels = self.whole.solve(&self.middle, Derivatives::Sensitivities)?;
             self.reduced = self.whole.train_reduced()?;
-            self.reduced.correct_markers(&self.middle, &levels)?;
+            self.reduced.correct_markers(&self.middle, Derivatives::Sensitivities, &levels)?;
         }
     }
 

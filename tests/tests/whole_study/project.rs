@@ -71,7 +71,7 @@ adam_iterations = 3
 surface_points = 4
 landscape_points = 5
 [four_parameters]
-iterations = 1
+iterations = 6
 [mesh_sensitivity]
 edges = [0.007, 0.009]
 iterations = 2

@@ -80,10 +80,10 @@ pub(super) fn by_chamber(given: &[NamedRange], case: &Case, body: &Body) -> Resu
     let mut ranges: Vec<NamedRange> = (0..body.cavities.len()).map(unmoved).collect();
     for range in given {
         let named = case.chamber.iter().zip(&body.numbers);
-        let of_case =
+        let mut of_case =
             named.filter(|(chamber, _)| chamber.name.as_ref() == Some(&range.name)).map(|(_, number)| *number);
         let by_number = || range.name.parse::<usize>().ok().filter(|number| *number < ranges.len());
-        let number = of_case.last().or_else(by_number).ok_or_else(|| {
+        let number = of_case.next().or_else(by_number).ok_or_else(|| {
             let known: Vec<&str> = case.chamber.iter().filter_map(|chamber| chamber.name.as_deref()).collect();
             let why = format!("the case names {}, and the mesh closes {}", known.join(", "), ranges.len());
             Diagnostic::new(

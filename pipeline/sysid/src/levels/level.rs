@@ -75,3 +75,12 @@ pub enum Derivatives {
     /// To the moduli and both ratios of stiffening of the softest solid.
     StiffeningSensitivities,
 }
+
+/// What is added to a level that a reduced model simulates.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct LevelCorrection {
+    /// To the displacement of each marker, m.
+    pub markers: Vec<Point2>,
+    /// To its derivatives by the parameters, the moduli first; those of further parameters stay as they are.
+    pub sensitivities: Vec<Vec<Point2>>,
+}

@@ -5,7 +5,7 @@ use std::time::Instant;
 use fem::{Parameter, StaticSettings};
 use si::{Point2, Second};
 
-use super::level::{Derivatives, PressureLevel, SimulatedLevel};
+use super::level::{Derivatives, LevelCorrection, PressureLevel, SimulatedLevel};
 use super::statics::{EquilibriumShape, Statics, Unknowns};
 use crate::load_path::{Beginning, LoadPath, Steps};
 use crate::model::{BODY, Elastic};
@@ -18,8 +18,8 @@ const GUESSED: usize = 12;
 /// The data of one solve, shared by its solvers.
 pub(super) struct Part<'a> {
     pub unknowns: &'a Unknowns,
-    /// By level: what is added to the displacement of each marker, m; empty: nothing.
-    pub corrections: &'a [Vec<Point2>],
+    /// By level: what is added to it; empty: nothing.
+    pub corrections: &'a [LevelCorrection],
     pub levels: &'a [PressureLevel],
     pub settings: &'a StaticSettings,
     /// Equilibria of earlier solves.
@@ -122,7 +122,9 @@ impl Part<'_> {
         solver: &mut dyn Statics,
     ) -> Result<SimulatedLevel> {
         let unknowns = self.unknowns;
-        let markers = self.corrected(number, unknowns.markers(&equilibrium.unknowns));
+        let nothing = LevelCorrection::default();
+        let correction = self.corrections.get(number).unwrap_or(&nothing);
+        let markers = corrected(unknowns.markers(&equilibrium.unknowns), &correction.markers);
         let began = Instant::now();
         let gradient = match self.derivatives {
             Derivatives::Gradient => solver.loss_by_moduli(&self.loss_by_markers(&self.levels[number], &markers))?,
@@ -133,7 +135,10 @@ impl Part<'_> {
             wanted => solver.sensitivities(&parameters(wanted, self.elastic.youngs_moduli.len()))?,
         };
         let derivative_seconds = began.elapsed().as_secs_f64();
-        let sensitivities = fields.iter().map(|field| unknowns.markers(field)).collect();
+        let mut by_parameter = correction.sensitivities.iter();
+        let of_markers =
+            |field: &Vec<f64>| corrected(unknowns.markers(field), by_parameter.next().map_or(&[], Vec::as_slice));
+        let sensitivities = fields.iter().map(of_markers).collect();
         let slopes = load.slopes(&self.elastic.youngs_moduli, fields, extra(self.derivatives));
         let shape = equilibrium.unknowns;
         Ok(SimulatedLevel {
@@ -148,13 +153,6 @@ impl Part<'_> {
         })
     }
 
-    /// The markers of a level with what is added to them.
-    fn corrected(&self, number: usize, markers: Vec<Point2>) -> Vec<Point2> {
-        let Some(corrections) = self.corrections.get(number) else { return markers };
-        // length: one correction a marker
-        markers.iter().zip(corrections).map(|(at, by)| [at[0] + by[0], at[1] + by[1]]).collect()
-    }
-
     /// The derivative by each marker's displacement (1/m) of this level's part of the mean distance, 1/(levels · markers) Σ |simulated −
     /// measured|, m.
     fn loss_by_markers(&self, level: &PressureLevel, markers: &[Point2]) -> Vec<Point2> {
@@ -167,6 +165,15 @@ impl Part<'_> {
         // length: one measured place a marker
         markers.iter().zip(&level.measured).map(by_marker).collect()
     }
+}
+
+/// Points with what is added to each; as they are where nothing is.
+fn corrected(mut points: Vec<Point2>, corrections: &[Point2]) -> Vec<Point2> {
+    // length: one correction a marker, or none
+    for (point, by) in points.iter_mut().zip(corrections) {
+        *point = [point[0] + by[0], point[1] + by[1]];
+    }
+    points
 }
 
 /// The moduli of all solids, then what else is wanted.

@@ -8,7 +8,7 @@
 use fem::{ReductionSettings, RegionProperties, Snapshot};
 use si::Point2;
 
-use super::level::{Derivatives, SimulatedLevel};
+use super::level::{Derivatives, LevelCorrection, SimulatedLevel};
 use super::solver::LevelSolver;
 use super::statics::{ReducedShapes, Unknowns};
 use crate::model::{BODY, Elastic};
@@ -41,17 +41,34 @@ impl LevelSolver {
         Ok(self.seeking(Unknowns::Coordinates(shapes.into()), coordinates))
     }
 
-    /// Corrects the markers of each level by what these of the `whole` body, at the same constants, differ from its own.
+    /// Corrects the markers of each level, and their `derivatives`, by what those of the `whole` body, at the same constants, differ from its
+    /// own.
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when it finds no equilibrium there.
-    pub(crate) fn correct_markers(&mut self, elastic: &Elastic, whole: &[SimulatedLevel]) -> Result<()> {
+    // A search ends where the residuals along its own derivatives vanish: with the markers alone corrected, the modulus of a coarse tail was 0.3 %
+    // off, and the interval of its sheet a tenth too narrow.
+    pub(crate) fn correct_markers(
+        &mut self,
+        elastic: &Elastic,
+        derivatives: Derivatives,
+        whole: &[SimulatedLevel],
+    ) -> Result<()> {
         self.corrections = Vec::new();
-        let own = self.solve(elastic, Derivatives::None)?;
+        let own = self.solve(elastic, derivatives)?;
         let difference = |(whole, own): (&Point2, &Point2)| [whole[0] - own[0], whole[1] - own[1]];
-        let of_level = |(whole, own): (&SimulatedLevel, &SimulatedLevel)| {
-            // length: the same markers
-            whole.markers.iter().zip(&own.markers).map(difference).collect()
+        // length: the same markers
+        let differences =
+            |whole: &[Point2], own: &[Point2]| -> Vec<Point2> { whole.iter().zip(own).map(difference).collect() };
+        let of_level = |(whole, own): (&SimulatedLevel, &SimulatedLevel)| LevelCorrection {
+            markers: differences(&whole.markers, &own.markers),
+            // length: of the same parameters
+            sensitivities: whole
+                .sensitivities
+                .iter()
+                .zip(&own.sensitivities)
+                .map(|(whole, own)| differences(whole, own))
+                .collect(),
         };
         self.corrections = whole.iter().zip(&own).map(of_level).collect();
         Ok(())

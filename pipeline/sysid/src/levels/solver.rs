@@ -1,9 +1,8 @@
 //! Solvers that share the levels of a body between them.
 
 use fem::StaticSettings;
-use si::Point2;
 
-use super::level::{Derivatives, PressureLevel, SimulatedLevel};
+use super::level::{Derivatives, LevelCorrection, PressureLevel, SimulatedLevel};
 use super::part::{Part, Solved};
 use super::statics::{Statics, Unknowns};
 use crate::load_path::{Beginning, LoadPath, Steps};
@@ -25,7 +24,7 @@ pub struct LevelSolver {
     /// See [`Load::new`].
     pub(super) unit: f64,
     /// See [`Part::corrections`].
-    pub(super) corrections: Vec<Vec<Point2>>,
+    pub(super) corrections: Vec<LevelCorrection>,
 }
 
 impl LevelSolver {
