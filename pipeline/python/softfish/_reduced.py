@@ -125,7 +125,8 @@ class ReducedModel:
 
     @property
     def trained(self) -> dict[str, tuple[float, float]]:
-        """The ranges of a model that `study reduce` trained: `E.silicone` and `nu.silicone` of regions, pressures of chambers; else empty."""
+        """The ranges of a model that `study reduce` trained: `E.silicone` (Pa) and `nu.silicone` (no unit) of regions, pressures of chambers (Pa); else
+        empty."""
         return dict(self._trained)
 
     @checked()
