@@ -72,9 +72,10 @@ impl Training<'_> {
         let row_weights = self.row_weights(&sums);
         // one in so many, prime to the number of points in an element so that each of its places is among them
         let points_each = self.system.reference.points;
-        let stride = (numbers.len() / CANDIDATES).max(1);
-        let stride = (stride..).find(|stride| *stride == 1 || !points_each.is_multiple_of(*stride)).unwrap_or(1);
-        let candidates: Vec<u32> = numbers.iter().copied().step_by(stride).collect();
+        let interval = (numbers.len() / CANDIDATES).max(1);
+        let interval =
+            (interval..).find(|interval| *interval == 1 || !points_each.is_multiple_of(*interval)).unwrap_or(1);
+        let candidates: Vec<u32> = numbers.iter().copied().step_by(interval).collect();
         let mut columns = NnlsColumns::new(sums.len(), candidates.len());
         columns.each().zip(&candidates).for_each(|(column, &point)| {
             let work = self.virtual_work(point);
