@@ -82,5 +82,5 @@ pub use solve_error::SolveError;
 pub use solver::Solver;
 pub use sparse::{FactorError, LowerTriangle};
 pub use statics::equilibrium::{Equilibrium, StaticSettings};
-pub use statics::pressure_path::extrapolated;
+pub use statics::load_path::{LoadRamp, extrapolated};
 pub use system::System;

@@ -88,6 +88,33 @@ fn reduced_equilibria_follow_the_roof_inwards_from_any_of_its_shapes() {
 }
 
 #[test]
+fn a_ramp_of_suction_and_of_forces_ends_at_the_equilibrium_under_both() {
+    let system = clamped();
+    let nodes = &system.mesh().nodes;
+    let (mut solver, settings) = (system.solver(), StaticSettings::default());
+    let rest = vec![0.0; 3 * nodes.len()];
+    let first = solver.equilibrium_from(&[(0.0, &rest)], &[-20.0], &settings).unwrap().displacement;
+    // 80 mN along x on the roof, and through the snap
+    let roof: Vec<bool> = nodes.iter().map(|at| at[1] > 0.0115).collect();
+    let each = 0.08 / roof.iter().filter(|on| **on).count() as f64;
+    let forces: Vec<f64> = roof.iter().flat_map(|on| [if *on { each } else { 0.0 }, 0.0, 0.0]).collect();
+    let ramp = fem::LoadRamp { pressures: [&[-20.0], &[-1000.0]], forces: [&rest, &forces] };
+    let found = solver.equilibrium_along(&[(0.0, &first)], &ramp, &settings).unwrap();
+    assert!(found.residual < 1e-5 && found.pressures == [-1000.0], "{}", found.residual);
+    // the forces of the end remain
+    let again = solver.equilibrium(&[-1000.0], Some(&found.displacement), &settings).unwrap();
+    let without = {
+        solver.set_forces(&[]).unwrap();
+        solver.equilibrium(&[-1000.0], Some(&found.displacement), &settings).unwrap()
+    };
+    let off = |shape: &[f64]| {
+        let far = shape.iter().zip(&found.displacement).map(|(a, b)| (a - b).abs());
+        far.fold(0.0, f64::max)
+    };
+    assert!(off(&again.displacement) < 1e-6 && off(&without.displacement) > 1e-4, "{}", off(&without.displacement));
+}
+
+#[test]
 fn a_path_ends_where_no_equilibrium_follows() {
     let system = clamped();
     let rest = vec![0.0; 3 * system.mesh().nodes.len()];

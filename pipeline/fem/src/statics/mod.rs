@@ -2,6 +2,6 @@
 
 pub(crate) mod equilibrium;
 mod homotopy;
+pub(crate) mod load_path;
 mod load_stepping;
-pub(crate) mod pressure_path;
 mod pseudo_transient;

@@ -1,9 +1,9 @@
-//! Equilibria under rising pressure: natural-parameter continuation with steps that shorten where a wall buckles.
+//! Equilibria along a path of loads, rising pressures and dead forces: natural-parameter continuation with steps that shorten where a wall buckles.
 //!
 //! A wall that buckles turns a shape within a few per cent of the pressure, so that the levels of a sweep lie too far apart there for Newton's
 //! method. A step that is too long fails within [`ITERATIONS`], and is halved at once; load stepping from rest would repeat the whole path.
 
-use si::{Metre, Pascal};
+use si::{Metre, Newton, Pascal};
 
 use super::equilibrium::{Equilibrium, StaticSettings};
 use crate::newton::options::NewtonCounts;
@@ -21,6 +21,9 @@ use crate::solver::Solver;
 const ITERATIONS: usize = 30;
 /// Iterations of the shortest step: a wall that snaps moves far however short the step is.
 const SNAPPING: usize = 80;
+/// First step along a ramp of which one shape is known, as a fraction of it: nothing can be extrapolated, and from rest to 160 mbar in both
+/// sides of a thin tail steps of a sixteenth take one or two factorisations each, where the whole step was given up four times.
+const FIRST: f64 = 1.0 / 8.0;
 /// Shortest step, as a fraction of the way between two levels.
 const SHORTEST: f64 = 1.0 / 16.0;
 /// Tolerance of equilibria between levels, relative to the body's size: they serve as initial guesses alone.
@@ -31,6 +34,16 @@ const EASY: usize = 4;
 const GROWTH: f64 = 1.5;
 /// Known shapes through which a guess is extrapolated: a parabola.
 const THROUGH: usize = 3;
+
+/// A load that changes in proportion from one state to another: pressures (one per chamber, Pa) and dead forces (3 entries per node, N; both
+/// empty: none), each at its beginning and at its end.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadRamp<'a> {
+    /// Pa.
+    pub pressures: [&'a [Pascal]; 2],
+    /// N.
+    pub forces: [&'a [Newton]; 2],
+}
 
 impl Solver {
     /// The equilibrium under `pressures` (one per chamber, Pa), from the shapes `known` on the way to it (3 entries per node, m), each with
@@ -49,27 +62,68 @@ impl Solver {
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
         let whole: Pascal = pressures.iter().sum();
+        let load = |_: &mut Self, sum: Pascal| -> Result<Vec<Pascal>, SolveError> {
+            Ok(pressures.iter().map(|p| if sum == whole { *p } else { sum / whole * p }).collect())
+        };
+        self.follow((known, whole), 1.0, &load, settings)
+    }
+
+    /// The equilibrium at the end of a ramp, from the shapes `known` on it (3 entries per node, m), each with its place (0: its beginning, 1:
+    /// its end); no two are at the same place. The shape at the beginning is a good first one. The dead forces of the end remain set.
+    ///
+    /// # Errors
+    /// [`SolveError`]; `NoEquilibrium` where the shortest step fails.
+    ///
+    /// # Panics
+    /// When no shape is known, or both ends differ in length.
+    pub fn equilibrium_along(
+        &mut self,
+        known: &[(f64, &[Metre])],
+        ramp: &LoadRamp,
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
+        let between = |ends: [&[f64]; 2], place: f64| -> Vec<f64> {
+            assert_eq!(ends[0].len(), ends[1].len(), "both ends of a ramp");
+            ends[0].iter().zip(ends[1]).map(|(from, to)| (1.0 - place) * from + place * to).collect()
+        };
+        let load = |solver: &mut Self, place: f64| -> Result<Vec<Pascal>, SolveError> {
+            solver.set_forces(&between(ramp.forces, place))?;
+            Ok(between(ramp.pressures, place))
+        };
+        let first = if known.len() > 1 { 1.0 } else { FIRST };
+        self.follow((known, 1.0), first, &load, settings)
+    }
+
+    /// The equilibrium at the place `end` of a path, whose first step is a fraction of the way there; `load` sets the load at a place and
+    /// returns its pressures (Pa).
+    fn follow(
+        &mut self,
+        (known, end): (&[(f64, &[Metre])], f64),
+        first: f64,
+        load: &dyn Fn(&mut Self, f64) -> Result<Vec<Pascal>, SolveError>,
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
         let recent = &known[known.len().saturating_sub(THROUGH)..];
-        let mut path: Vec<(Pascal, Vec<Metre>)> = recent.iter().map(|(p, shape)| (*p, shape.to_vec())).collect();
+        let mut path: Vec<(f64, Vec<Metre>)> = recent.iter().map(|(place, shape)| (*place, shape.to_vec())).collect();
         let begin = path.last().expect("a shape is known").0;
-        let (mut reached, mut step) = (0.0, 1.0);
+        let (mut reached, mut step) = (0.0, first);
         let before = self.state.newton.spent;
         loop {
             let part = if reached + step > 1.0 - SHORTEST { 1.0 } else { reached + step };
-            let sum = begin + part * (whole - begin);
+            let place = if part == 1.0 { end } else { begin + part * (end - begin) };
             let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(BETWEEN) };
             let max_iterations = if step > SHORTEST { ITERATIONS.min(settings.max_iterations) } else { SNAPPING };
             let statics = StaticSettings { tolerance, max_iterations, ..*settings };
-            let at: Vec<Pascal> = pressures.iter().map(|p| if part == 1.0 { *p } else { sum / whole * p }).collect();
-            let shapes: Vec<(Pascal, &[Metre])> = path.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
+            let at = load(self, place)?;
+            let shapes: Vec<(f64, &[Metre])> = path.iter().map(|(place, shape)| (*place, shape.as_slice())).collect();
             let last = shapes.last().map_or(&[][..], |last| last.1);
-            match self.equilibrium_near(&at, last, &extrapolated(&shapes, sum), &statics) {
+            match self.equilibrium_near(&at, last, &extrapolated(&shapes, place), &statics) {
                 Ok(found) if part == 1.0 => {
                     let NewtonCounts { iterations, factorisations, .. } = self.state.newton.spent.since(before);
                     return Ok(Equilibrium { iterations, factorisations, ..found });
                 }
                 Ok(Equilibrium { displacement, factorisations, .. }) => {
-                    path.push((sum, displacement));
+                    path.push((place, displacement));
                     (reached, step) = (part, if factorisations <= EASY { GROWTH * step } else { step });
                 }
                 Err(_) if step > SHORTEST => step *= 0.5,
