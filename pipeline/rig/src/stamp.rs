@@ -12,7 +12,7 @@ use crate::specimen::{Draw, SHEET, Specimen};
 /// The stamp's file.
 pub const FILE: &str = ".virtual-bench";
 /// Incremented by hand whenever the bench writes other bytes for the same settings.
-pub const VERSION: u32 = 14;
+pub const VERSION: u32 = 15;
 
 /// State of the folder of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -36,6 +36,7 @@ pub mod free_vibration;
 mod identified_materials;
 pub mod inflation_test;
 pub mod landscape;
+mod lateral_loads;
 mod levels;
 mod load_path;
 mod loss;

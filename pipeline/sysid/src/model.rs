@@ -96,6 +96,16 @@ const CONTACT_PRESSURE: f64 = 0.1;
 pub const BODY: usize = mesh::BODY as usize;
 
 impl Model {
+    /// A solver of the model with these constants.
+    ///
+    /// # Errors
+    /// As [`Elastic::apply`].
+    pub(crate) fn solver(&self, elastic: &Elastic) -> Result<Solver> {
+        let mut solver = self.system.solver();
+        elastic.apply(&mut solver)?;
+        Ok(solver)
+    }
+
     /// The model of a meshed body, `attached` to what surrounds it; markers are material points of the mesh.
     ///
     /// # Errors

@@ -1,17 +1,19 @@
-//! Hyper-reduction: POD of the shapes under the chambers' pressures and under lateral loads like those of inertia and of water, with empirical
-//! cubature.
+//! Hyper-reduction: POD of the shapes under the chambers' pressures and under lateral loads like those of inertia and of water, and of the
+//! directions in which such loads move a body with one chamber filled, with empirical cubature.
 
-use fem::{ReducedModelData, ReductionSettings, Solver, StaticSettings};
+use fem::{Equilibrium, LoadRamp, ReducedModelData, ReductionSettings, Snapshot, SolveError, Solver, StaticSettings};
 use rayon::prelude::*;
-use si::{Metre, Pascal, vec3};
+use si::{Metre, Pascal};
 
-use crate::model::{BODY, Elastic, Model};
+use crate::lateral_loads::{Lateral, pull};
+use crate::model::{Elastic, Model};
 use diagnostics::Result;
 
 /// Number of even steps in which each chamber is filled alone.
 const STEPS: usize = 10;
-/// Of the highest pressure: levels of a single filled chamber under lateral loads.
-const HELD: [(f64, Lateral); 2] = [(0.4, Lateral::Water), (0.8, Lateral::Inertia)];
+/// Of the highest pressure: the level of a single filled chamber under lateral loads. At twice the level a load against the bending leads a thin
+/// tail back and forth through its buckle, which took more time than all other shapes together: directions stand for it.
+const HELD: f64 = 0.4;
 /// Of the highest pressures: two chambers filled at once.
 const BOTH: [[f64; 2]; 3] = [[0.3, 0.3], [0.6, 0.3], [0.3, 0.6]];
 /// Displacement of the tip by a lateral load over the length: with the bending by pressure, and against it.
@@ -21,22 +23,27 @@ const FINE: usize = 8;
 /// Coordinates for each shape that is given.
 const KEPT: f64 = 0.8;
 
-/// A lateral load, growing with the square of the distance from the clamp.
-// Without the load of water the fin is rigid: a release in water was 3 ms late at first, and drag came out 9.5 % too high in the mean of twelve tails.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Lateral {
-    /// On every node by its mass, as inertia acts.
-    Inertia,
-    /// On the plate that the body encloses by its area, as water acts, which bends a fin that is light but deep; on every node where there is
-    /// none.
-    Water,
-}
-
 /// Snapshots: pressures, and displacements by a lateral load over the length.
 struct Wish {
     pressures: Vec<Pascal>,
     load: Lateral,
     pulls: Vec<f64>,
+}
+
+/// A shape, and the directions in which lateral loads move it; 3 entries per node, m.
+struct TrainingShape {
+    displacement: Vec<f64>,
+    directions: Vec<Vec<f64>>,
+}
+
+impl TrainingShape {
+    fn undirected(displacement: Vec<f64>) -> Self {
+        Self { displacement, directions: Vec::new() }
+    }
+
+    fn snapshot(&self) -> Snapshot<'_> {
+        Snapshot { displacement: &self.displacement, regions: &[], changes: &self.directions }
+    }
 }
 
 /// The model to be reduced, and the range of its snapshots.
@@ -79,51 +86,77 @@ impl Snapshots<'_> {
         let Self { model, elastic, top, .. } = *self;
         let [inertia, water] = [Lateral::Inertia, Lateral::Water].map(|load| pull(model, elastic, load));
         let (inertia, water) = (inertia?, water?);
-        let filled: Vec<Vec<Vec<f64>>> =
-            (0..top.len()).into_par_iter().map(|k| self.solve(k)).collect::<Result<_>>()?;
+        let filled: Vec<Vec<TrainingShape>> =
+            (0..top.len()).into_par_iter().map(|k| self.solve(k, [&inertia, &water])).collect::<Result<_>>()?;
         let bends: Vec<f64> =
-            filled.iter().map(|shapes| shapes.last().map_or(0.0, |last| bend(last, &inertia))).collect();
+            filled.iter().map(|shapes| shapes.last().map_or(0.0, |last| bend(&last.displacement, &inertia))).collect();
         let load = |wish: &Wish| if wish.load == Lateral::Water { &water } else { &inertia };
         let find = |wish: &Wish| self.shape(wish, nearest(&filled, top, &wish.pressures), load(wish));
-        let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
-        let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
+        let others: Vec<Vec<TrainingShape>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
+        let shapes: Vec<Snapshot> = filled.iter().chain(&others).flatten().map(TrainingShape::snapshot).collect();
         let coordinates = (KEPT * shapes.len() as f64) as usize;
         let by = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
         let contact = filled.iter().zip(top).filter_map(|(shapes, top)| Some(first_touch(shapes, touch)? * top));
         let contact = contact.min_by(f64::total_cmp);
-        Ok(Reduction { data: model.system.reduce(&shapes, &by)?.data(), contact })
+        Ok(Reduction { data: model.system.reduce_trained(&shapes, &by)?.data(), contact })
     }
 
-    /// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last; none where it is never filled.
-    fn solve(&self, filled: usize) -> Result<Vec<Vec<f64>>> {
+    /// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last, every second with the directions of the
+    /// `loads`; none where it is never filled.
+    fn solve(&self, filled: usize, loads: [&[f64]; 2]) -> Result<Vec<TrainingShape>> {
         if self.top[filled] == 0.0 {
             return Ok(Vec::new());
         }
-        let mut solver = ready(self.model, self.elastic)?;
+        let mut solver = self.model.solver(self.elastic)?;
         let mut known = vec![(0.0, vec![0.0; 3 * self.model.system.mesh().nodes.len()])];
+        let mut shapes = Vec::new();
         for step in 1..=STEPS {
             let pressures = alone(self.top, filled, step as f64 / STEPS as f64);
-            let shapes: Vec<(Pascal, &[f64])> = known.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
-            let found = solver.equilibrium_from(&shapes, &pressures, &settings())?;
-            known.push((pressures[filled], found.displacement));
+            let path: Vec<(Pascal, &[f64])> = known.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
+            let found = solver.equilibrium_from(&path, &pressures, &settings())?;
+            let directions = match step.is_multiple_of(2) {
+                true => self.directions(&mut solver, &found, loads)?,
+                false => Vec::new(),
+            };
+            known.push((pressures[filled], found.displacement.clone()));
+            shapes.push(TrainingShape { displacement: found.displacement, directions });
         }
-        Ok(known.into_iter().skip(1).map(|(_, shape)| shape).collect())
+        Ok(shapes)
+    }
+
+    /// The directions in which each load moves the body at an equilibrium, 3 entries per node, as far as the first of [`PULLS`]; none where the
+    /// tangent is not positive definite, as where a wall is about to snap.
+    fn directions(&self, solver: &mut Solver, at: &Equilibrium, loads: [&[f64]; 2]) -> Result<Vec<Vec<f64>>> {
+        solver.assemble(at)?;
+        match solver.factorise(at) {
+            Err(SolveError::NotStable) => return Ok(Vec::new()),
+            done => done?,
+        }
+        let mut direction = |load: &[f64]| -> Result<Vec<f64>> {
+            let moved = solver.solve(load)?;
+            let far = moved.iter().skip(1).step_by(3).fold(f64::MIN_POSITIVE, |far: f64, y| far.max(y.abs()));
+            Ok(moved.iter().map(|u| PULLS[0] * self.length / far * u).collect())
+        };
+        loads.into_iter().map(&mut direction).collect()
     }
 
     /// The shapes on the way to a wish, begun `near` it: with half of each pull and the whole.
-    fn shape(&self, wish: &Wish, near: Option<&[f64]>, pull: &[f64]) -> Result<Vec<Vec<f64>>> {
-        let mut solver = ready(self.model, self.elastic)?;
-        let held = solver.equilibrium(&wish.pressures, near, &settings())?.displacement;
-        let mut shapes: Vec<Vec<f64>> = Vec::new();
+    fn shape(&self, wish: &Wish, near: Option<(Vec<Pascal>, &[f64])>, pull: &[f64]) -> Result<Vec<TrainingShape>> {
+        let mut solver = self.model.solver(self.elastic)?;
+        let none = vec![0.0; pull.len()];
+        let (begin, near) = near.unwrap_or_else(|| (vec![0.0; wish.pressures.len()], &none));
+        let inflation = LoadRamp { pressures: [&begin, &wish.pressures], forces: [&none; 2] };
+        let held = solver.equilibrium_along(&[(0.0, near)], &inflation, &settings())?.displacement;
+        let mut shapes = Vec::new();
         for far in &wish.pulls {
-            let mut last = held.clone();
-            for part in [0.5, 1.0] {
+            let mut pulled = |part: f64, known: &[(f64, &[f64])]| {
                 let forces: Vec<f64> = pull.iter().map(|f| part * far * self.length * f).collect();
-                solver.set_forces(&forces)?;
-                let found = solver.equilibrium(&wish.pressures, Some(&last), &settings());
-                last = found?.displacement;
-                shapes.push(last.clone());
-            }
+                let ramp = LoadRamp { pressures: [&wish.pressures; 2], forces: [&none, &forces] };
+                solver.equilibrium_along(known, &ramp, &settings()).map(|found| found.displacement)
+            };
+            let half = pulled(0.5, &[(0.0, &held)])?;
+            let whole = pulled(1.0, &[(0.0, &held), (0.5, &half)])?;
+            shapes.extend([half, whole].map(TrainingShape::undirected));
         }
         Ok(shapes)
     }
@@ -134,12 +167,12 @@ fn alone(top: &[Pascal], filled: usize, share: f64) -> Vec<Pascal> {
 }
 
 /// The part (0 to 1) of the pressure of the last of evenly loaded `shapes` from which walls `touch`; between shapes by straight lines.
-fn first_touch(shapes: &[Vec<f64>], touch: &dyn Fn(&[f64]) -> bool) -> Option<f64> {
-    let rest = vec![0.0; shapes.first()?.len()];
+fn first_touch(shapes: &[TrainingShape], touch: &dyn Fn(&[f64]) -> bool) -> Option<f64> {
+    let rest = vec![0.0; shapes.first()?.displacement.len()];
+    let shape = |step: usize| if step == 0 { &rest } else { &shapes[step - 1].displacement };
     let between = |part: f64| -> Vec<f64> {
         let (step, along) = ((part.ceil() as usize).max(1), part.ceil() - part);
-        let before = if step == 1 { &rest } else { &shapes[step - 2] };
-        before.iter().zip(&shapes[step - 1]).map(|(a, b)| along * a + (1.0 - along) * b).collect()
+        shape(step - 1).iter().zip(shape(step)).map(|(a, b)| along * a + (1.0 - along) * b).collect()
     };
     let parts = (1..=FINE * shapes.len()).map(|k| k as f64 / FINE as f64);
     Some(parts.into_iter().find(|part| touch(&between(*part)))? / shapes.len() as f64)
@@ -150,14 +183,18 @@ fn bend(shape: &[f64], pull: &[f64]) -> f64 {
     shape.iter().zip(pull).map(|(u, f)| u * f).sum::<f64>().signum()
 }
 
-/// Of the shapes with one chamber `filled`, the nearest to `pressures`; none where another is filled as much.
-fn nearest<'a>(filled: &'a [Vec<Vec<f64>>], top: &[Pascal], pressures: &[Pascal]) -> Option<&'a [f64]> {
-    let share = |(p, top): (&Pascal, &Pascal)| if *top > 0.0 { p / top } else { 0.0 };
-    let shares: Vec<f64> = pressures.iter().zip(top).map(share).collect();
-    let most = (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
-    let alone = shares.iter().enumerate().all(|(k, share)| k == most || *share < shares[most]);
-    let step = ((shares[most] * STEPS as f64).round() as usize).clamp(1, STEPS);
-    filled[most].get(step - 1).filter(|_| alone).map(Vec::as_slice)
+/// Of the shapes with one chamber `filled`, the nearest to `pressures` of one chamber, and its own; none where no chamber or several are filled:
+/// from rest both sides of a tail are filled past no buckle, from one side alone back through it.
+fn nearest<'a>(
+    filled: &'a [Vec<TrainingShape>],
+    top: &[Pascal],
+    pressures: &[Pascal],
+) -> Option<(Vec<Pascal>, &'a [f64])> {
+    let mut each = pressures.iter().enumerate().filter(|(_, pressure)| **pressure > 0.0);
+    let (chamber, pressure) = each.next().filter(|_| each.next().is_none())?;
+    let step = (pressure / top[chamber] * STEPS as f64).round() as usize;
+    let shape = filled[chamber].get(step.checked_sub(1)?)?;
+    Some((alone(top, chamber, step as f64 / STEPS as f64), &shape.displacement))
 }
 
 /// Snapshots under lateral loads to both sides: at rest, with each chamber filled, and with neighbouring chambers filled together. A
@@ -166,12 +203,10 @@ fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
     let [with, against] = PULLS;
     let driven: Vec<usize> = (0..top.len()).filter(|k| top[*k] > 0.0).collect();
     let rest = Wish { pressures: vec![0.0; top.len()], load: Lateral::Water, pulls: vec![with, -with] };
-    let held = driven.iter().flat_map(|&k| {
-        HELD.map(|(share, load)| Wish {
-            pressures: alone(top, k, share),
-            load,
-            pulls: vec![with * bends[k], -against * bends[k]],
-        })
+    let held = driven.iter().map(|&k| Wish {
+        pressures: alone(top, k, HELD),
+        load: Lateral::Water,
+        pulls: vec![with * bends[k], -against * bends[k]],
     });
     // While one chamber empties and the next one fills the body swings back. Without loads on these shapes, and with six levels of a chamber filled
     // alone, the reduced model of a tail whose wall buckles was 3.2 % off the whole one at 4 Hz and too stiff, so that the storage modulus of its
@@ -186,47 +221,6 @@ fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
     std::iter::once(rest).chain(held).chain(pairs).collect()
 }
 
-/// Lateral forces (3 a node, N/m) scaled to a unit displacement of the farthest node by the stiffness at rest.
-fn pull(model: &Model, elastic: &Elastic, load: Lateral) -> Result<Vec<f64>> {
-    let system = &model.system;
-    let far = system.mesh().nodes.iter().map(|n| n[0]).fold(f64::MIN, f64::max);
-    let mut forces = vec![0.0; 3 * system.mesh().nodes.len()];
-    let by = match load {
-        Lateral::Inertia => system.node_masses().to_vec(),
-        Lateral::Water => plate(system.mesh()).unwrap_or_else(|| system.node_masses().to_vec()),
-    };
-    for (i, (node, by)) in system.mesh().nodes.iter().zip(&by).enumerate() {
-        forces[3 * i + 1] = by * (node[0].max(0.0) / far).powi(2);
-    }
-    let mut solver = ready(model, elastic)?;
-    let rest = vec![0.0; system.mesh().chambers.len()];
-    let rest = solver.equilibrium(&rest, None, &settings())?;
-    solver.assemble(&rest)?;
-    solver.factorise(&rest)?;
-    let moved = solver.solve(&forces)?;
-    let most = moved.iter().skip(1).step_by(3).fold(0.0, |most: f64, y| most.max(y.abs()));
-    forces.iter_mut().for_each(|f| *f /= most);
-    Ok(forces)
-}
-
-/// Of the solids beside the body, the volume around each node, m³: of a plate of one thickness the area, but for a factor; none of a body alone.
-fn plate(mesh: &fem::Mesh) -> Option<Vec<f64>> {
-    let mut around = vec![0.0; mesh.nodes.len()];
-    for element in (0..mesh.elements.len()).filter(|&e| mesh.regions[e] != BODY as u16) {
-        let nodes = mesh.elements.nodes(element);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| mesh.nodes[nodes[k] as usize]);
-        let volume = vec3::dot(vec3::sub(b, a), vec3::cross(vec3::sub(c, a), vec3::sub(d, a))).abs() / 6.0;
-        nodes.iter().for_each(|&node| around[node as usize] += volume / nodes.len() as f64);
-    }
-    around.iter().any(|volume| *volume > 0.0).then_some(around)
-}
-
-fn ready(model: &Model, elastic: &Elastic) -> Result<Solver> {
-    let mut solver = model.system.solver();
-    elastic.apply(&mut solver)?;
-    Ok(solver)
-}
-
 fn settings() -> StaticSettings {
     StaticSettings { tolerance: 1e-6, ..StaticSettings::default() }
 }
@@ -238,7 +232,7 @@ mod tests {
     #[test]
     fn walls_touch_from_the_pressure_at_which_the_line_between_two_shapes_does() {
         // three levels; the walls touch from a displacement of 1.5 on, half way from the second level to the third
-        let shapes = [vec![0.5], vec![1.0], vec![2.0]];
+        let shapes = [0.5, 1.0, 2.0].map(|far| TrainingShape::undirected(vec![far]));
         let found = |limit: f64| first_touch(&shapes, &|shape: &[f64]| shape[0] >= limit);
         assert_eq!(found(1.5), Some(2.5 / 3.0));
         assert_eq!(found(0.25), Some(0.5 / 3.0));

@@ -36,6 +36,9 @@ pub struct FlappingModel<'a> {
     pub(super) equilibria: [Vec<DVector<f64>>; 2],
 }
 
+/// Coordinates of the reduced model.
+const COORDINATES: usize = 34;
+
 /// Conditions that differ from trial to trial.
 #[derive(Debug, Clone, Copy)]
 pub struct Conditions<'a> {
@@ -90,15 +93,11 @@ impl<'a> FlappingModel<'a> {
         sweeps: &[PressureSweep; 2],
         tick: &(dyn Fn() + Sync),
     ) -> Result<fem::ReducedModelData> {
-        let loaded = snapshots::shapes(body, line, sweeps, tick)?;
-        let swept = sweeps.iter().flat_map(|sweep| sweep.shapes.iter().skip(1).step_by(2));
-        let shapes: Vec<&[f64]> = swept.chain(&loaded).map(Vec::as_slice).collect();
-        let settings = fem::ReductionSettings {
-            coordinates: shapes.len() * 4 / 5,
-            tolerance: 5e-4,
-            ..fem::ReductionSettings::default()
-        };
-        let reduced = body.system.reduce(&shapes, &settings);
+        let shapes = snapshots::shapes(body, line, sweeps, tick)?;
+        let snapshots: Vec<fem::Snapshot> = shapes.iter().map(snapshots::BodyShape::snapshot).collect();
+        let settings =
+            fem::ReductionSettings { coordinates: COORDINATES, tolerance: 5e-4, ..fem::ReductionSettings::default() };
+        let reduced = body.system.reduce_trained(&snapshots, &settings);
         Ok(reduced.map_err(|e| Diagnostic::from(e).while_doing("the reduced model"))?.data())
     }
 

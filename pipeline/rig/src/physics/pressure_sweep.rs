@@ -47,11 +47,12 @@ impl PressureSweep {
         Ok(Self { pressures: pressures.to_vec(), shapes })
     }
 
-    /// The shape whose pressure is nearest to `pressure` (Pa).
-    pub fn nearest(&self, pressure: Pascal) -> &[f64] {
+    /// The level that is nearest to `pressure` (Pa), and its shape.
+    pub fn nearest(&self, pressure: Pascal) -> (Pascal, &[f64]) {
         let above = self.pressures.partition_point(|p| *p < pressure).min(self.pressures.len() - 1);
         let below = above.saturating_sub(1);
         let closer = pressure - self.pressures[below] < self.pressures[above] - pressure;
-        &self.shapes[if closer { below } else { above }]
+        let level = if closer { below } else { above };
+        (self.pressures[level], &self.shapes[level])
     }
 }

@@ -1,27 +1,50 @@
-//! The snapshots that the reduced model is built from: equilibria under pressure on one side, on both sides, and under lateral forces like
-//! those of the tail's own inertia and of water, along and against the bending by pressure.
+//! The snapshots that the reduced model is built from: equilibria under pressure on one side and on both, equilibria under lateral forces like
+//! those of the tail's own inertia and of water, along and against the bending by pressure, and the directions in which such forces move the
+//! body at the equilibria without them.
+//!
+//! A direction is one solve with the tangent of the equilibrium. Forces act up to two fifths of the highest pressure alone: beyond, a force
+//! against the bending leads a thin tail back and forth through its buckle, which took more time than all other equilibria together.
+//! With directions alone and no force the motion of a thick tail was off by twice as much.
 
 use diagnostics::{Diagnostic, Result};
-use fem::StaticSettings;
+use fem::{Equilibrium, LoadRamp, Snapshot, SolveError, StaticSettings};
 use rayon::prelude::*;
 use si::{Metre, Pascal};
 
 use super::centre_line::{CentreLine, Station};
 use super::pressure_sweep::TOLERANCE;
 use super::{Body, PressureSweep};
+use crate::side::Side;
 
-/// Pressures (left, right) at which lateral forces act, relative to the highest.
-const UNDER_FORCE: [[f64; 2]; 6] = [[0.0, 0.0], [0.35, 0.0], [0.0, 0.35], [0.7, 0.0], [0.0, 0.7], [0.4, 0.4]];
-/// Pressures of both sides without a lateral force.
+/// Pressures of both sides, relative to the highest.
 const BOTH_SIDES: [[f64; 2]; 4] = [[0.3, 0.3], [0.6, 0.3], [0.3, 0.6], [0.55, 0.55]];
+/// The same where lateral forces act.
+const UNDER_FORCE: [[f64; 2]; 4] = [[0.0, 0.0], [0.35, 0.0], [0.0, 0.35], [0.4, 0.4]];
 /// Displacement of the tip by a lateral force in the linear model at rest, m: along the bending of the pressure, against it, and by the
 /// force that changes its sign along the tail.
 const TIP_DISPLACEMENTS: [Metre; 3] = [0.010, 0.024, 0.005];
 
 /// Number of equilibria that [`shapes`] solves.
-pub(crate) const COUNT: usize = 4 * UNDER_FORCE.len() + BOTH_SIDES.len();
+pub(crate) const COUNT: usize = BOTH_SIDES.len() + 4 * UNDER_FORCE.len();
 
-/// Displacements (3 a node, m). `tick` is called after each equilibrium.
+/// A shape of a body, and the directions in which lateral forces move it.
+pub struct BodyShape {
+    displacement: Vec<f64>,
+    directions: Vec<Vec<f64>>,
+}
+
+impl BodyShape {
+    /// What a reduced model is trained on.
+    pub fn snapshot(&self) -> Snapshot<'_> {
+        Snapshot { displacement: &self.displacement, regions: &[], changes: &self.directions }
+    }
+}
+
+/// Pressures of both sides, and the shape under them.
+type Inflated = ([Pascal; 2], Vec<f64>);
+
+/// The body at rest, every second equilibrium of both `sweeps`, equilibria with both sides filled, and those under forces. `tick` is called
+/// after each that is solved for.
 ///
 /// # Errors
 /// When an equilibrium is not found.
@@ -30,90 +53,130 @@ pub fn shapes(
     line: &CentreLine,
     sweeps: &[PressureSweep; 2],
     tick: &(dyn Fn() + Sync),
-) -> Result<Vec<Vec<f64>>> {
+) -> Result<Vec<BodyShape>> {
     let top = sweeps[0].pressures.last().copied().unwrap_or(0.0);
-    let forces = lateral_forces(body, line)?;
-    let one = |fractions: &[f64; 2]| -> Result<Vec<Vec<f64>>> {
-        let mut loaded = LoadedBody::at(body, sweeps, fractions.map(|s| s * top))?;
-        let cases = load_cases(*fractions);
-        let found = cases.iter().map(|(k, tip)| loaded.under(&forces[*k], *tip).inspect(|_| tick())).collect();
-        match cases.is_empty() {
-            true => Ok(vec![loaded.rest]).inspect(|_| tick()),
-            false => found,
-        }
+    let lateral = LateralForces::new(body, line)?;
+    let rest = ([0.0; 2], vec![0.0; 3 * body.mesh.nodes.len()]);
+    let swept = [Side::Left, Side::Right].into_iter().zip(sweeps).flat_map(|(side, sweep)| {
+        let levels = sweep.pressures.iter().zip(&sweep.shapes).skip(1).step_by(2);
+        levels.map(move |(pressure, shape)| (one_side(side, *pressure), shape.clone()))
+    });
+    let both = BOTH_SIDES.par_iter().map(|shares| inflated(body, sweeps, shares.map(|share| share * top)));
+    let both: Vec<Inflated> = both.inspect(|_| tick()).collect::<Result<_>>()?;
+    let loaded = UNDER_FORCE.par_iter().map(|shares| {
+        let held = inflated(body, sweeps, shares.map(|share| share * top))?;
+        lateral.loaded(&held, tick)
+    });
+    let loaded: Vec<Vec<BodyShape>> = loaded.collect::<Result<_>>()?;
+    let free: Vec<Inflated> = std::iter::once(rest).chain(swept).chain(both).collect();
+    let free: Vec<BodyShape> = free.into_par_iter().map(|held| lateral.directed(held)).collect::<Result<_>>()?;
+    Ok(free.into_iter().chain(loaded.into_iter().flatten()).collect())
+}
+
+fn one_side(side: Side, pressure: Pascal) -> [Pascal; 2] {
+    match side {
+        Side::Left => [pressure, 0.0],
+        Side::Right => [0.0, pressure],
+    }
+}
+
+/// The equilibrium under pressures of both sides (left, right; Pa): of one side alone from the nearest shape of its sweep, of both from rest with
+/// both in proportion, which leads past no buckle where they are alike.
+fn inflated(body: &Body, sweeps: &[PressureSweep; 2], pressures: [Pascal; 2]) -> Result<Inflated> {
+    let [left, right] = pressures;
+    let rest = vec![0.0; 3 * body.mesh.nodes.len()];
+    let (level, near) = match pressures {
+        [left, 0.0] => sweeps[0].nearest(left),
+        [0.0, right] => sweeps[1].nearest(right),
+        _ => (0.0, rest.as_slice()),
     };
-    let each: Result<Vec<_>> = UNDER_FORCE.par_iter().chain(&BOTH_SIDES).map(one).collect();
-    Ok(each?.into_iter().flatten().collect())
+    let ends = [pressures.map(|p| if p > 0.0 { level } else { 0.0 }), pressures];
+    let ends = ends.map(|[left, right]| body.pressures(left, right));
+    let ramp = LoadRamp { pressures: ends.each_ref().map(Vec::as_slice), forces: [&[], &[]] };
+    let found = body.system.solver().equilibrium_along(&[(0.0, near)], &ramp, &settings());
+    let doing = || format!("equilibrium at {:.0} and {:.0} mbar", left / si::MILLIBAR, right / si::MILLIBAR);
+    Ok((pressures, found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement))
 }
 
-/// Index and tip displacement (m) of the lateral forces at `fractions` of the highest pressure; none for [`BOTH_SIDES`].
-fn load_cases(fractions: [f64; 2]) -> Vec<(usize, Metre)> {
-    if !UNDER_FORCE.contains(&fractions) {
-        return Vec::new();
-    }
-    let [with, against, mixed] = TIP_DISPLACEMENTS;
-    let along = (fractions[1] - fractions[0]).signum();
-    let tip = |sign: f64| sign * if fractions[0] == fractions[1] || sign == along { with } else { against };
-    [1.0, -1.0].into_iter().flat_map(|sign| [(0, tip(sign)), (1, sign * mixed)]).collect()
+fn settings() -> StaticSettings {
+    StaticSettings { load_steps: 1, tolerance: TOLERANCE, ..StaticSettings::default() }
 }
 
-/// Nodal forces (3 a node, N per metre of tip displacement): one to one side, one that changes its sign along the tail.
-fn lateral_forces(body: &Body, line: &CentreLine) -> Result<[Vec<f64>; 2]> {
-    let end = line.stations.last().map_or(1.0, |s| s.x);
-    let one_sign = |s: &Station| (s.x / end).powi(2);
-    let two_signs = |s: &Station| (s.x / end) * (0.7 - s.x / end);
-    let mut solver = body.system.solver();
-    let settings = StaticSettings::default();
-    let at_rest = |e| Diagnostic::from(e).while_doing("the body at rest");
-    let rest = solver.equilibrium(&body.pressures(0.0, 0.0), None, &settings).map_err(at_rest)?;
-    solver.assemble(&rest).map_err(at_rest)?;
-    solver.factorise(&rest).map_err(at_rest)?;
-    let mut scaled = |each: &dyn Fn(&Station) -> f64| -> Result<Vec<f64>> {
-        let forces = line.lateral(body.mesh.nodes.len(), each);
-        let moved = line.displacements(&solver.solve(&forces).map_err(at_rest)?);
-        let most = moved.iter().skip(1).step_by(2).fold(0.0, |most: f64, y| most.max(y.abs()));
-        Ok(forces.into_iter().map(|f| f / most).collect())
-    };
-    Ok([scaled(&one_sign)?, scaled(&two_signs)?])
+/// A body and the lateral forces that act on it.
+struct LateralForces<'a> {
+    body: &'a Body,
+    line: &'a CentreLine,
+    /// 3 a node, N per metre of the tip's displacement in the linear model at rest: one to one side, one that changes its sign along the tail.
+    forces: [Vec<f64>; 2],
 }
 
-/// A body under pressures of both sides, ready for lateral forces.
-struct LoadedBody {
-    solver: fem::Solver,
-    pressures: [Pascal; 2],
-    chambers: Vec<Pascal>,
-    /// Without a lateral force, m.
-    rest: Vec<f64>,
+impl<'a> LateralForces<'a> {
+    fn new(body: &'a Body, line: &'a CentreLine) -> Result<Self> {
+        let end = line.stations.last().map_or(1.0, |s| s.x);
+        let one_sign = |s: &Station| (s.x / end).powi(2);
+        let two_signs = |s: &Station| (s.x / end) * (0.7 - s.x / end);
+        let nodes = body.mesh.nodes.len();
+        let forces = [line.lateral(nodes, &one_sign), line.lateral(nodes, &two_signs)];
+        let unscaled = Self { body, line, forces };
+        let moved = unscaled.responses(&([0.0; 2], vec![0.0; 3 * nodes]));
+        let moved = moved.map_err(|e| Diagnostic::from(e).while_doing("the body at rest"))?;
+        let [one, two] = moved.each_ref().map(|moved| unscaled.tip(moved));
+        let [first, second] = &unscaled.forces;
+        Ok(Self { forces: [scaled(first, 1.0 / one), scaled(second, 1.0 / two)], ..unscaled })
+    }
+
+    /// An equilibrium with the directions in which the forces move it; without, where its tangent is not positive definite, as where a wall is
+    /// about to snap.
+    fn directed(&self, held: Inflated) -> Result<BodyShape> {
+        let [along, _, mixed] = TIP_DISPLACEMENTS;
+        let directions = match self.responses(&held) {
+            Err(SolveError::NotStable) => Vec::new(),
+            Err(other) => return Err(Diagnostic::from(other).while_doing("the tangent of an equilibrium")),
+            Ok([one, two]) => vec![scaled(&one, along / self.tip(&one)), scaled(&two, mixed / self.tip(&two))],
+        };
+        Ok(BodyShape { displacement: held.1, directions })
+    }
+
+    /// Displacements under each force in the linear model at an equilibrium, 3 a node.
+    fn responses(&self, ([left, right], displacement): &Inflated) -> Result<[Vec<f64>; 2], SolveError> {
+        let (mut solver, pressures) = (self.body.system.solver(), self.body.pressures(*left, *right));
+        let at = Equilibrium { displacement: displacement.clone(), pressures, ..Equilibrium::default() };
+        solver.assemble(&at)?;
+        solver.factorise(&at)?;
+        let [one, two] = self.forces.each_ref().map(|force| solver.solve(force));
+        Ok([one?, two?])
+    }
+
+    /// Greatest lateral displacement of the centre line, m.
+    fn tip(&self, moved: &[f64]) -> Metre {
+        let line = self.line.displacements(moved);
+        line.iter().skip(1).step_by(2).fold(f64::MIN_POSITIVE, |most: f64, y| most.max(y.abs()))
+    }
+
+    /// The equilibria with each force in both directions at the pressures of an equilibrium.
+    fn loaded(&self, (pressures, held): &Inflated, tick: &(dyn Fn() + Sync)) -> Result<Vec<BodyShape>> {
+        let [left, right] = *pressures;
+        let [with, against, mixed] = TIP_DISPLACEMENTS;
+        let bends = (right - left).signum();
+        let tip = |sign: f64| sign * if left == right || sign == bends { with } else { against };
+        let cases = [1.0, -1.0].into_iter().flat_map(|sign| [(0, tip(sign)), (1, sign * mixed)]);
+        let (mut solver, chambers) = (self.body.system.solver(), self.body.pressures(left, right));
+        let none = vec![0.0; held.len()];
+        let mut under = |(k, tip): (usize, Metre)| {
+            let forces = scaled(&self.forces[k], tip);
+            let ramp = LoadRamp { pressures: [&chambers; 2], forces: [&none, &forces] };
+            let found = solver.equilibrium_along(&[(0.0, held)], &ramp, &settings());
+            let [left, right] = pressures.map(|p| p / si::MILLIBAR);
+            let doing =
+                || format!("shape at {left:.0} and {right:.0} mbar, tip moved by {:.1} mm", tip / si::MILLIMETRE);
+            let found = found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?;
+            tick();
+            Ok(BodyShape { displacement: found.displacement, directions: Vec::new() })
+        };
+        cases.map(&mut under).collect()
+    }
 }
 
-impl LoadedBody {
-    fn at(body: &Body, sweeps: &[PressureSweep; 2], pressures: [Pascal; 2]) -> Result<Self> {
-        let [left, right] = pressures;
-        // the displacements of both sides nearly cancel: their sum is a better initial guess than either alone
-        let guess: Vec<f64> =
-            sweeps[0].nearest(left).iter().zip(sweeps[1].nearest(right)).map(|(l, r)| l + r).collect();
-        let (solver, chambers) = (body.system.solver(), body.pressures(left, right));
-        let mut loaded = Self { solver, pressures, chambers, rest: guess.clone() };
-        loaded.rest = loaded.solve(&vec![0.0; guess.len()], 0.0, &guess)?;
-        Ok(loaded)
-    }
-
-    /// The shape under `force` scaled by `tip` (m); if it is not found at once, by way of half the force.
-    fn under(&mut self, force: &[f64], tip: Metre) -> Result<Vec<f64>> {
-        let rest = self.rest.clone();
-        self.solve(force, tip, &rest).or_else(|_| {
-            let half = self.solve(force, 0.5 * tip, &rest)?;
-            self.solve(force, tip, &half)
-        })
-    }
-
-    fn solve(&mut self, force: &[f64], tip: Metre, guess: &[f64]) -> Result<Vec<f64>> {
-        let [left, right] = self.pressures.map(|p| p / 100.0);
-        let doing = || format!("shape at {left:.0} and {right:.0} mbar, tip moved by {:.1} mm", tip * 1e3);
-        let settings = StaticSettings { load_steps: 1, tolerance: TOLERANCE, ..StaticSettings::default() };
-        let forces: Vec<f64> = force.iter().map(|f| tip * f).collect();
-        self.solver.set_forces(&forces).map_err(|e| Diagnostic::from(e).while_doing(doing()))?;
-        let found = self.solver.equilibrium(&self.chambers, Some(guess), &settings);
-        Ok(found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement)
-    }
+fn scaled(field: &[f64], by: f64) -> Vec<f64> {
+    field.iter().map(|entry| by * entry).collect()
 }
