@@ -2,8 +2,8 @@
 //!
 //! Drawn from the meshes of their STL files, whose surfaces they follow; the properties of card and mesh are printed under each.
 
-use plot::{DOUBLE_COLUMN_MM, Figure, OverlayKind, Panel, Placed, Scene, Side, palette};
-use si::{MILLIMETRE, ModulusUnit, Point3};
+use plot::{DOUBLE_COLUMN_MM, Figure, OverlayKind, Paint, Panel, Placed, Scene, Side, palette};
+use si::{MILLIMETRE, ModulusUnit, Pascal, Point3};
 
 use super::order::{in_order, title};
 use super::origin_note;
@@ -25,7 +25,7 @@ impl figure::Figure for Designs {
     type Needs = Every<Mesh, Specimen>;
     const NAME: &'static str = "designs";
     const CAPTION: &'static str = "the actuators cut open: their chambers, ribs, walls and sheet";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn draw(Every(meshes): Self::Needs) -> Result<Figure> {
         if meshes.is_empty() {
@@ -53,7 +53,12 @@ fn window<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> [Point3; 2] {
 
 fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed {
     let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
-    let scene = lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted);
+    let silicone = silicone(&specimen.card);
+    let painted = |bounds: Bounds| match bounds {
+        Bounds::Body | Bounds::CutBody => Some(Paint::Solid(silicone)),
+        other => other.painted(),
+    };
+    let scene = lower.onto(Scene::new(super::CUT_VIEW), painted);
     // all corners of the box count, not two alone: the view rotates it
     let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
     let rim = (0..8).map(corner).collect();
@@ -69,6 +74,15 @@ fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed 
         .with_overlay(vec![place(0.013)], OverlayKind::Text(text[1].clone(), Side::Below), palette::BLACK, 6.0)
         .with_scale_bar(20.0 * MILLIMETRE);
     Panel::Scene(scene).titled(&title(&card.name))
+}
+
+/// Modulus that is painted twice as dark as none, Pa.
+const DARK: Pascal = 1e6;
+
+/// The colour of the softest solid: the stiffer, the darker.
+fn silicone(card: &lab::Card) -> plot::Colour {
+    let softest = card.solid.parts.iter().map(|part| part.solid.youngs_modulus).fold(f64::INFINITY, f64::min);
+    palette::BODY.towards(palette::BLACK, 0.5 * (softest / DARK).min(1.0))
 }
 
 /// The nominal modulus of a solid.

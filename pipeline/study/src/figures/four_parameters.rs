@@ -1,10 +1,10 @@
 //! Figure `four_parameters`: both moduli and both Poisson's ratios, identified together. Paper, figure 6.
 //!
-//! One panel a parameter: its value at each simulation, the plausible range as a band, and the final point with its 95 % interval, cut off
-//! at the panel's edge where the recordings do not determine the parameter. Which combinations are determined, and how
-//! well, is noted below. Each specimen has a row of its own.
+//! One panel a parameter: its value at each simulation from the data sheet's on, the plausible range as a band, and the final point with its
+//! 95 % interval, cut off at the panel's edge. Where the interval spans the plausible range the recordings do not determine the parameter,
+//! and the panel says so. Then the loss. Each specimen has a row of its own.
 
-use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Legend, Mark, Marker, Panel, palette};
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Legend, Mark, Marker, Panel, Placed, Side, palette};
 use si::Point2;
 
 use super::order::{in_order, title};
@@ -23,7 +23,7 @@ impl figure::Figure for FourParameters {
     type Needs = Every<records::FourParameters, Specimen>;
     const NAME: &'static str = "four_parameters";
     const CAPTION: &'static str = "both moduli and both Poisson's ratios, identified together";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn draw(Every(all): Self::Needs) -> Result<Figure> {
         if all.is_empty() {
@@ -36,19 +36,17 @@ impl figure::Figure for FourParameters {
         let all = in_order(all);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for (specimen, found) in &all {
-            let name = title(&specimen.card.name);
-            figure =
-                figure.row(44.0, [0, 1, 2, 3].map(|k| parameter(found, k).titled(&format!("{name}: {}", TITLES[k]))));
+            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter(found, k)));
+            let [first, others @ ..] = parameters;
+            let others = others.into_iter().chain([Placed::from(loss(found))]).map(Placed::without_panel_label);
+            let row = [first.titled(&title(&specimen.card.name))].into_iter().chain(others);
+            figure = figure.row(40.0, row.collect::<Vec<Placed>>());
         }
-        let least = |(specimen, found): &(Specimen, records::FourParameters)| {
-            format!("{}: {}.", title(&specimen.card.name), found.uncertainty.words)
-        };
-        let words = all.iter().map(least).chain([origin_note(all.iter().map(|(s, _)| s.card.as_ref()))]);
-        Ok(figure.noted(&words.collect::<Vec<_>>().join(" ")))
+        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
 
-const TITLES: [&str; 4] = ["E of the body", "E of the spine", "ν of the body", "ν of the spine"];
+const LABELS: [&str; 4] = ["E, body", "E, spine", "ν, body", "ν, spine"];
 const UNITS: [&str; 4] = ["MPa", "GPa", "", ""];
 const SCALES: [f64; 4] = [1e-6, 1e-9, 1.0, 1.0];
 
@@ -60,17 +58,31 @@ fn parameter(found: &records::FourParameters, k: usize) -> Panel {
     let margin = 0.08 * (high - low);
     let axes = Axes::new(
         Axis::linear("simulations", "").range(1.0, last),
-        Axis::linear(TITLES[k], UNITS[k]).range(low - margin, high + margin),
+        Axis::linear(LABELS[k], UNITS[k]).range(low - margin, high + margin),
     );
     let end = vec![[last, found.best.in_display_units()[k]]];
     let axes = axes.legend(if k == 0 { Legend::Over } else { Legend::None });
     let ends = found.intervals()[k].map(|v| v.clamp(low - margin, high + margin));
+    // a uniform distribution over the plausible range has 95 % of itself in 95 % of it
+    let determined = ends[1] - ends[0] < 0.95 * (high - low);
+    let undetermined = (!determined)
+        .then(|| Mark::text([0.5 * (1.0 + last), high], "not determined", Side::Below, palette::OPTIMUM).sized(6.0));
     let interval = Mark::line(vec![[last, ends[0]], [last, ends[1]]], palette::OPTIMUM).labelled("95 %");
-    Panel::Axes(
-        axes.with(Mark::band(vec![1.0, last], vec![low; 2], vec![high; 2], palette::MUTED).labelled("plausible"))
-            .with(Mark::line(points.clone(), palette::method("gauss_newton")))
-            .with(Mark::points(points, Marker::Disc, palette::method("gauss_newton")).sized(3.6).labelled("tried"))
-            .with(interval)
-            .with(Mark::points(end, Marker::Ring, palette::OPTIMUM).sized(6.0).labelled("final")),
-    )
+    let axes = axes
+        .with(Mark::band(vec![1.0, last], vec![low; 2], vec![high; 2], palette::MUTED).labelled("plausible"))
+        .with(Mark::line(points.clone(), palette::method("gauss_newton")))
+        .with(Mark::points(points, Marker::Disc, palette::method("gauss_newton")).sized(3.6).labelled("tried"))
+        .with(interval)
+        .with(Mark::points(end, Marker::Ring, palette::OPTIMUM).sized(6.0).labelled("final"));
+    Panel::Axes(undetermined.into_iter().fold(axes, Axes::with))
+}
+
+/// The loss at each simulation.
+fn loss(found: &records::FourParameters) -> Panel {
+    let points: Vec<Point2> = found.iterates.iter().enumerate().map(|(i, (_, loss))| [(i + 1) as f64, *loss]).collect();
+    let colour = palette::method("gauss_newton");
+    let axes = Axes::new(Axis::linear("simulations", "").range(1.0, points.len().max(2) as f64), Axis::log("loss", ""));
+    let axes =
+        axes.with(Mark::line(points.clone(), colour)).with(Mark::points(points, Marker::Disc, colour).sized(3.6));
+    Panel::Axes(axes.legend(Legend::None))
 }

@@ -22,7 +22,7 @@ impl figure::Figure for LoadCell {
     type Needs = Every<records::LoadCell, Specimen>;
     const NAME: &'static str = "load_cell";
     const CAPTION: &'static str = "the fixture's response to hammer taps, and its deconvolution";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::LoadCell>::any(study)
@@ -68,8 +68,8 @@ fn schematic() -> Diagram {
         .with(Part::Spring { from: [16.0, 13.0], to: [36.0, 13.0] })
         .with(Part::Damper { from: [36.0, 29.0], to: [16.0, 29.0] })
         .with(Part::Box { at: [45.0, 21.0], size: [18.0, 24.0], lines, fill: palette::FAINT })
-        .with(arrow(vec![[72.0, 21.0], [54.5, 21.0]], "f hydro"))
-        .with(arrow(vec![[14.0, 21.0], [2.0, 21.0]], "f m"))
+        .with(arrow(vec![[72.0, 21.0], [54.5, 21.0]], "water"))
+        .with(arrow(vec![[14.0, 21.0], [2.0, 21.0]], "cell"))
         .with(words([26.0, 15.5], "k"))
         .with(words([26.0, 32.5], "b"))
 }
@@ -90,7 +90,7 @@ fn frequency() -> Axis {
 }
 
 fn size(cell: &records::LoadCell) -> Panel {
-    let axes = Axes::new(frequency(), Axis::log("|f m / f hydro|", ""))
+    let axes = Axes::new(frequency(), Axis::log("measured over true force", ""))
         .with(
             Mark::points(of(cell, |r| r.transfer.norm()), Marker::Ring, palette::MEASURED).sized(2.6).labelled("taps"),
         )
@@ -128,7 +128,7 @@ fn deconvolution(cell: &records::LoadCell) -> Panel {
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("force", "N"))
         .with(Mark::horizontal_line(0.0, palette::MUTED))
         .with(Mark::band(x, edge(-2.0), edge(2.0), palette::SIMULATED))
-        .with(Mark::line(cut(&s.measured), palette::MEASURED).labelled(&label("measured", s.nrmse[0])))
+        .with(Mark::line(cut(&s.measured), palette::MEASURED).labelled(&label("through the cell", s.nrmse[0])))
         .with(Mark::line(cut(&s.thrust), palette::NETWORK).sized(1.6).labelled("thrust"))
         .with(
             Mark::line(deconvolved.clone(), palette::SIMULATED)

@@ -6,7 +6,7 @@ mod dynamics;
 mod four_parameters;
 mod load_cell;
 pub mod order;
-pub mod overview;
+mod overview;
 mod relaxation;
 mod setup;
 mod sysid;

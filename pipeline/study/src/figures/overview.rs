@@ -1,86 +1,121 @@
-//! Figure `overview`: the stages from the recordings to thrust and what each reads. Paper, figure 2.
+//! Figure `overview`: the loop from sim to real and back. Paper, figure 2.
 //!
-//! (a) every stage with its description and what it reads, drawn from the list of stages; then records of one tail.
+//! Films give the markers' motion x_m, pressures drive a simulation that gives x_t; the gradient of their loss moves the moduli until both
+//! agree, and the identified model predicts motion and thrust. Every panel of the loop is a record of one tail; the graph of all
+//! stages is on the page (`figures/index.html`).
 
-use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, Panel, Picture, Placed};
-use plot::{Scene, View, palette};
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Legend, Mark, Marker, Panel, Part, Picture};
+use plot::{Scene, Side, View, palette};
 use si::{MILLIBAR, MILLIMETRE, Point2};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use crate::records::{ExampleFrames, Inflation, Mesh, Thrust, Validation};
+use crate::records::{ExampleFrames, Identified, Inflation, Mesh, MethodComparison, Thrust, Trace, Validation};
 use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
-use publish::stage_diagram::stage_diagram;
 use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
-use workflow::needs::{Every, Needs, RecordId, RecordReader};
-use workflow::stage_graph::StageGraph;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct Overview;
 
-/// What reads what in the pipeline, for the figure that shows it.
-pub struct Pipeline(StageGraph);
-
-impl Needs<Study> for Pipeline {
-    fn ids(_: &Study) -> Vec<RecordId> {
-        Vec::new()
-    }
-
-    fn parts(of: &Study) -> serde_json::Value {
-        serde_json::to_value(StageGraph::of(of, crate::stages::ALL)).unwrap_or_default()
-    }
-
-    fn read(of: &Study, _: &dyn RecordReader) -> diagnostics::Result<Self> {
-        Ok(Self(StageGraph::of(of, crate::stages::ALL)))
-    }
-}
-
-/// The records that the thumbnails show.
-type Seen = (
-    Every<Mesh, Specimen>,
-    Every<ExampleFrames, Trial>,
-    Every<Inflation, Specimen>,
-    (Every<Validation, Trial>, Every<Thrust, Specimen>),
-);
+/// What is inflated and filmed, and what is predicted.
+type Motions = (Every<ExampleFrames, Trial>, Every<Inflation, Specimen>, Every<Validation, Trial>);
 
 impl figure::Figure for Overview {
     type Of = Study;
-    type Needs = (Pipeline, Seen);
+    type Needs = (
+        (Every<Mesh, Specimen>, Every<Identified, Specimen>, Every<MethodComparison, Specimen>),
+        Motions,
+        Every<Thrust, Specimen>,
+    );
     const NAME: &'static str = "overview";
-    const CAPTION: &'static str = "the stages of the pipeline and the records that each reads";
-    const VERSION: u32 = 6;
+    const CAPTION: &'static str = "the loop from films and pressures to moduli, and the predictions that follow";
+    const VERSION: u32 = 7;
 
-    fn draw((Pipeline(graph), seen): Self::Needs) -> Result<Figure> {
-        let (Every(meshes), ..) = &seen;
-        if meshes.is_empty() {
-            return Err(Diagnostic::new("there is no pipeline to show", "no specimen was found", "rig record"));
-        }
+    fn draw(
+        ((Every(meshes), Every(identified), Every(compared)), motions, Every(thrusts)): Self::Needs,
+    ) -> Result<Figure> {
+        let (Every(examples), Every(inflations), Every(validations)) = motions;
+        let (meshes, validations) = (in_order(meshes), in_order(validations));
+        let Some((specimen, mesh)) = meshes.first() else {
+            return Err(Diagnostic::new("there is no loop to show", "no specimen was found", "rig record"));
+        };
+        let name = specimen.card.name.as_str();
+        let found = of(&identified, name);
+        let search = of(&compared, name).zip(found).filter(|(_, found)| found.solids.len() == 2);
+        let validation = of(&validations, name);
+        let traced = of(&thrusts, name).and_then(|thrust| thrust.traces.last());
+        let insets = [
+            of(&examples, name).map(|example| Panel::Picture(frame(example))),
+            validation.map(|validation| Panel::Axes(pressures(validation))),
+            of(&inflations, name).and_then(|inflation| inflated(mesh, inflation)).map(Panel::Scene),
+            found.map(|found| Panel::Axes(misfit(found))),
+            search.map(|(comparison, found)| Panel::Axes(iterates(comparison, found))),
+            validation.map(|validation| Panel::Axes(motion(validation))),
+            traced.map(|trace| Panel::Axes(thrust(trace))),
+        ];
         let note = origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()));
-        let chart = stage_diagram(&graph, &|_| None);
-        let tall = (DOUBLE_COLUMN_MM - 1.0) * chart.size[1] / chart.size[0];
-        let figure = Figure::new(DOUBLE_COLUMN_MM)
-            .row(tall + 4.0, [Panel::Diagram(chart).titled("the stages and what each reads")]);
-        Ok(figure.row(37.0, thumbnails(seen)).noted(&note))
+        let figure =
+            Figure::new(DOUBLE_COLUMN_MM).row(SHEET[1] + 4.0, [Panel::Diagram(sheet(insets)).titled(&title(name))]);
+        Ok(figure.noted(&note))
     }
 }
 
-fn thumbnails(
-    (Every(meshes), Every(examples), Every(inflations), (Every(validations), Every(thrusts))): Seen,
-) -> Vec<Placed> {
-    let (meshes, validations) = (in_order(meshes), in_order(validations));
-    let Some((specimen, mesh)) = meshes.first() else { return Vec::new() };
-    let name = specimen.card.name.as_str();
-    let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
-    let cut = lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted);
-    let mut all = vec![Panel::Scene(cut).titled(&format!("mesh: {}", title(name)))];
-    all.extend(of(&examples, name).map(|s| Panel::Picture(frame(s)).titled("track: markers")));
-    all.extend(of(&inflations, name).and_then(|i| blown(mesh, i)));
-    all.extend(of(&validations, name).map(|v| Panel::Axes(validation_axes(v)).titled("validate")));
-    let pull = of(&thrusts, name).and_then(|t| t.traces.last());
-    all.extend(pull.map(|t| Panel::Axes(thrust(t)).titled("thrust")));
-    all
+/// Sides of the diagram, mm.
+const SHEET: Point2 = [181.0, 96.0];
+
+/// A box of the loop: its title, its centre and its sides, mm.
+struct Station(&'static str, Point2, Point2);
+
+/// In the order of the panels inside.
+const STATIONS: [Station; 7] = [
+    Station("films: markers", [21.5, 73.0], [42.0, 44.0]),
+    Station("pressures", [21.5, 21.0], [42.0, 40.0]),
+    Station("simulation", [77.0, 21.0], [42.0, 40.0]),
+    Station("loss of x − xₘ", [77.0, 73.0], [42.0, 44.0]),
+    Station("moduli by iteration", [149.0, 73.0], [62.0, 44.0]),
+    Station("motion never seen", [131.5, 21.0], [40.0, 40.0]),
+    Station("thrust", [164.5, 21.0], [32.0, 40.0]),
+];
+
+/// The arrows between the boxes, mm, with their texts.
+const ARROWS: [(&[Point2], &str, Side); 6] = [
+    (&[[42.5, 76.0], [56.0, 76.0]], "xₘ", Side::Above),
+    (&[[42.5, 21.0], [56.0, 21.0]], "p", Side::Above),
+    (&[[77.0, 41.0], [77.0, 51.0]], "x", Side::Left),
+    (&[[98.0, 76.0], [118.0, 76.0]], "gradient", Side::Above),
+    (&[[118.0, 62.0], [108.0, 62.0], [108.0, 34.0], [98.0, 34.0]], "E", Side::Right),
+    (&[[98.0, 14.0], [111.5, 14.0]], "", Side::Above),
+];
+
+/// The loop with a panel in each box; a box is left empty where its record is not made.
+fn sheet(insets: [Option<Panel>; 7]) -> Diagram {
+    let framed = STATIONS.iter().zip(insets).fold(Diagram::new(SHEET[0], SHEET[1]), |diagram, (station, inset)| {
+        let Station(title, [x, y], [width, height]) = *station;
+        let fill = palette::FAINT.towards(palette::PAPER, 0.6);
+        let framed = diagram.with(Part::Box { at: [x, y], size: [width, height], lines: Vec::new(), fill });
+        let text = Part::Text {
+            at: [x, y + 0.5 * height - 3.0],
+            text: title.into(),
+            side: Side::Centre,
+            colour: palette::BLACK,
+        };
+        let framed = framed.with(text);
+        // axes have their tick labels and labels outside of an inset
+        let (middle, size) = match inset {
+            Some(Panel::Axes(_)) => ([x + 4.5, y + 1.5], [width - 16.0, height - 18.0]),
+            _ => ([x, y - 2.5], [width - 4.0, height - 9.0]),
+        };
+        inset
+            .into_iter()
+            .fold(framed, |framed, panel| framed.with(Part::Inset { at: middle, size, panel: Box::new(panel) }))
+    });
+    ARROWS.iter().fold(framed, |diagram, (points, text, side)| {
+        let text = (!text.is_empty()).then(|| ((*text).to_owned(), *side));
+        diagram.with(Part::Arrow { points: points.to_vec(), text, colour: palette::BLACK, dash: Dash::Solid })
+    })
 }
 
 fn frame(example: &ExampleFrames) -> Picture {
@@ -88,27 +123,74 @@ fn frame(example: &ExampleFrames) -> Picture {
     let crop = example.held.crop(left, top, right - left, bottom - top);
     let at = example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
     Picture::new(crop.width, crop.height, crop.pixels)
-        .with(Mark::points(at, Marker::Plus, palette::PRESSURE).sized(5.0))
+        .with(Mark::points(at, Marker::Ring, palette::PRESSURE).sized(6.0))
 }
 
-fn blown(mesh: &Mesh, inflation: &Inflation) -> Option<Placed> {
-    let shape = inflation.shapes.last()?;
+fn inflated(mesh: &Mesh, inflation: &Inflation) -> Option<Scene> {
+    let shape = inflation.filmed.and_then(|i| inflation.shapes.get(i)).or(inflation.shapes.last())?;
     let whole = Surfaces::whole(&mesh.solid, &inflation.moved(mesh, shape));
-    let scene = whole.onto(Scene::new(View::TOP), Bounds::painted);
-    Some(Panel::Scene(scene).titled(&format!("inflate: {:.0} mbar", shape.pressure() / MILLIBAR)))
+    Some(whole.onto(Scene::new(View::TOP), Bounds::painted))
 }
 
-fn validation_axes(v: &Validation) -> Axes {
-    let curve = |path: &[Point2]| v.time.iter().zip(path).map(|(t, p)| [*t, p[1] / MILLIMETRE]).collect();
-    Axes::new(Axis::linear("time", "s"), Axis::linear("tip", "mm"))
-        .with(Mark::line(curve(&v.measured), palette::MEASURED).sized(1.3))
-        .with(Mark::line(curve(&v.simulated), palette::SIMULATED).dashed(Dash::Dashed))
+/// Places of the markers at every level, measured and simulated, mm.
+fn misfit(found: &Identified) -> Axes {
+    let place = |(rest, moved): (&Point2, &Point2)| [0, 1].map(|k| (rest[k] + moved[k]) / MILLIMETRE);
+    let axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm")).equal().legend(Legend::None);
+    found.levels.iter().fold(axes, |axes, level| {
+        // length: a level has a measured and a simulated displacement for each marker
+        let measured = level.rest_m.iter().zip(&level.measured_m).map(place).collect();
+        let simulated = level.rest_m.iter().zip(&level.simulated_m).map(place).collect();
+        axes.with(Mark::line(simulated, palette::SIMULATED))
+            .with(Mark::points(measured, Marker::Ring, palette::MEASURED).sized(2.6))
+    })
+}
+
+/// Both moduli at each simulation of the search by Gauss and Newton, and where it ends.
+fn iterates(comparison: &MethodComparison, found: &Identified) -> Axes {
+    let moduli: Vec<_> = found.moduli().collect();
+    let tried = comparison.by("gauss_newton").map_or(&[][..], |search| &search.tried);
+    let path: Vec<Point2> = tried.iter().map(|t| [0, 1].map(|k| moduli[k].scale * t.at[k])).collect();
+    let axis = |k: usize| Axis::linear(&format!("E, {}", moduli[k].solid), moduli[k].unit);
+    let end = path.last().copied().into_iter().collect();
+    Axes::new(axis(0), axis(1))
+        .with(Mark::line(path.clone(), palette::SIMULATED))
+        .with(Mark::points(path, Marker::Disc, palette::SIMULATED).sized(3.5))
+        .with(Mark::points(end, Marker::Cross, palette::OPTIMUM).sized(6.5))
         .legend(Legend::None)
 }
 
-fn thrust(trace: &crate::records::Trace) -> Axes {
+/// Frames of a motion from its middle on, over so many seconds.
+const EXCERPT: f64 = 1.2;
+
+fn excerpt(validation: &Validation) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let begin = validation.time[validation.time.len() / 2];
+    let within = move |t: &f64| (begin..begin + EXCERPT).contains(t);
+    validation.time.iter().enumerate().filter(move |(_, t)| within(t)).map(move |(frame, t)| (frame, t - begin))
+}
+
+fn pressures(validation: &Validation) -> Axes {
+    let looks = [palette::PRESSURE, palette::PRESSURE.towards(palette::BLACK, 0.5)];
+    let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("p", "mbar")).legend(Legend::None);
+    validation.pressures.iter().zip(looks.into_iter().cycle()).fold(axes, |axes, (chamber, colour)| {
+        let curve = excerpt(validation).map(|(frame, t)| [t, chamber[frame] / MILLIBAR]).collect();
+        axes.with(Mark::line(curve, colour))
+    })
+}
+
+fn motion(validation: &Validation) -> Axes {
+    let curve = |path: &[Point2]| excerpt(validation).map(|(frame, t)| [t, path[frame][1] / MILLIMETRE]).collect();
+    Axes::new(Axis::linear("time", "s"), Axis::linear("tip", "mm"))
+        .with(Mark::line(curve(&validation.measured), palette::MEASURED).sized(1.3))
+        .with(Mark::line(curve(&validation.simulated), palette::SIMULATED).dashed(Dash::Dashed))
+        .legend(Legend::None)
+}
+
+fn thrust(trace: &Trace) -> Axes {
     let first = trace.time.first().copied().unwrap_or(0.0);
-    let curve = |values: &[f64]| trace.time.iter().zip(values).map(|(t, f)| [t - first, 1e3 * f]).collect();
+    let curve = |values: &[f64]| {
+        let shown = trace.time.iter().zip(values).map(|(t, force)| [t - first, 1e3 * force]);
+        shown.filter(|[t, _]| *t < EXCERPT).collect()
+    };
     Axes::new(Axis::linear("time", "s"), Axis::linear("force", "mN"))
         .with(Mark::line(curve(&trace.measured), palette::MEASURED).sized(1.3))
         .with(Mark::line(curve(&trace.network), palette::NETWORK))

@@ -1,6 +1,6 @@
 //! Figure `relaxation`: the relaxation of the silicone, and the transients that it was identified from.
 //!
-//! (a), (b) storage modulus over the identified modulus and loss factor of every specimen, with 95 % intervals; (c), (d) the tip marker
+//! (a), (b) storage modulus over the identified modulus and loss factor of every specimen, with 95 % intervals and the true values; (c), (d) the tip marker
 //! of one specimen during its highest hold and after the release that follows, measured and simulated.
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Marker, Panel, palette};
@@ -8,7 +8,7 @@ use si::{Hertz, MILLIBAR, MILLIMETRE, Point2, Second};
 
 use super::order::{colour, in_order, title};
 use super::origin_note;
-use crate::records;
+use crate::records::{self, Estimate, Quantity, Recovered};
 use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
 use sysid::relaxation::Transient;
@@ -30,22 +30,22 @@ type All = Vec<(Specimen, records::Relaxation)>;
 
 impl figure::Figure for Relaxation {
     type Of = Study;
-    type Needs = Every<records::Relaxation, Specimen>;
+    type Needs = (Every<records::Relaxation, Specimen>, Recovered);
     const NAME: &'static str = "relaxation";
     const CAPTION: &'static str = "storage modulus and loss factor of the silicones, and the transients behind them";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::Relaxation>::any(study)
     }
 
-    fn draw(Every(all): Self::Needs) -> Result<Figure> {
+    fn draw((Every(all), recovered): Self::Needs) -> Result<Figure> {
         let all = in_order(all);
         let (specimen, held, released) = shown(&all)?;
         let name = title(&specimen.card.name);
         let [storage, loss] = [
-            spectrum(&all, 0, Axis::linear("storage modulus over E", ""))?,
-            spectrum(&all, 1, Axis::linear("loss factor", ""))?,
+            spectrum(&all, (0, &recovered), Axis::linear("storage modulus over E", ""))?,
+            spectrum(&all, (1, &recovered), Axis::linear("loss factor", ""))?,
         ];
         let hold = format!("{name}, {:.0} mbar held", held.command_pa / MILLIBAR);
         let figure = Figure::new(DOUBLE_COLUMN_MM)
@@ -78,8 +78,8 @@ fn held_time(window: &Transient) -> Second {
     window.time_s.last().copied().unwrap_or(SHOWN)
 }
 
-/// Storage modulus over the identified one (0) or loss factor (1) of every specimen.
-fn spectrum(all: &All, which: usize, axis: Axis) -> Result<Panel> {
+/// Storage modulus over the identified one (0) or loss factor (1) of every specimen, with the true values where they are known.
+fn spectrum(all: &All, (which, recovered): (usize, &Recovered), axis: Axis) -> Result<Panel> {
     let [from, to] = FREQUENCIES;
     let frequency = |i: usize| from * (to / from).powf(i as f64 / (POINTS - 1) as f64);
     let frequencies: Vec<Hertz> = (0..POINTS).map(frequency).collect();
@@ -94,7 +94,27 @@ fn spectrum(all: &All, which: usize, axis: Axis) -> Result<Panel> {
             .with(Mark::band(frequencies.clone(), edge(-1.0), edge(1.0), colour(name)))
             .with(Mark::line(line, colour(name)).labelled(&title(name)));
     }
+    for (i, (specimen, _)) in all.iter().enumerate() {
+        let name = &specimen.card.name;
+        let true_values = hidden(recovered, name, which);
+        if !true_values.is_empty() {
+            let points = Mark::points(true_values, Marker::Cross, colour(name)).sized(5.0);
+            axes = axes.with(if i == 0 { points.labelled("true") } else { points });
+        }
+    }
     Ok(Panel::Axes(axes))
+}
+
+/// The true storage moduli over the identified time's (0) or loss factors (1) of a specimen, by frequency.
+fn hidden(recovered: &Recovered, name: &str, which: usize) -> Vec<Point2> {
+    let estimates = recovered.specimens.iter().filter(|s| s.name == name).flat_map(|s| &s.estimates);
+    let of = |estimate: &Estimate| match (&estimate.quantity, which) {
+        (Quantity::StorageRatio(frequency), 0) | (Quantity::LossFactor(frequency), 1) => {
+            Some([*frequency, estimate.hidden])
+        }
+        _ => None,
+    };
+    estimates.filter_map(of).collect()
 }
 
 /// The tip marker of a window about its mean, up to a time after the change of the command.

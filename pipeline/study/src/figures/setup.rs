@@ -41,7 +41,7 @@ impl figure::Figure for Setup {
     );
     const NAME: &'static str = "setup";
     const CAPTION: &'static str = "the bench: tank, camera, tail, load cell and lamp, with their dimensions";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Camera>::any(study)
@@ -166,7 +166,7 @@ fn whole(bench: &Bench) -> Diagram {
     d = d.with(words(at(left + 0.01, filmed.plane.height - 0.012), "calibrated plane", Side::Right));
     let level = |x: f64, z: f64| line(vec![at(x, z), at(right + 0.08, z)], palette::MUTED, 0.4, Dash::Dotted);
     d = d.with(level(card.length, 0.0)).with(level(eye[0], eye[2]));
-    d = holder(d, bench, &at);
+    d = pneumatics(holder(d, bench, &at), bench, &at);
     d = d.with(silhouette(bench, origin));
     camera(d, eye, &at).with(sized(at(right + 0.075, 0.0), at(right + 0.075, eye[2]), eye[2], Side::Right))
 }
@@ -199,9 +199,26 @@ fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram
     d.with(rod(0.012))
         .with(rod(-0.012))
         .with(Part::Box { at: at(edge - 0.02, 0.0), size: [36.0, 56.0], lines: vec![], fill: grey })
-        .with(words(at(edge - 0.02, 0.028), "holder", Side::Above))
+        .with(words(at(edge - 0.02, 0.0), "holder", Side::Centre))
         .with(Part::Box { at: at(edge - 0.115, 0.0), size: [44.0, 38.0], lines: vec![], fill: palette::FAINT })
         .with(words(at(edge - 0.115, -0.019), "load cell", Side::Below))
+}
+
+/// Valve and logger on the holder's hose, and the lamp that synchronises film and log: a sketch, only the lamp's place in the picture is known.
+fn pneumatics(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
+    let x = bench.card.clamp.end() - 0.02;
+    let lines = ["valve".to_owned(), "pressure logger".to_owned()].to_vec();
+    let hose = line(vec![at(x, 0.028), at(x, 0.105)], palette::PRESSURE, 1.6, Dash::Solid);
+    let d = d.with(hose).with(Part::Box { at: at(x, 0.12), size: [96.0, 30.0], lines, fill: palette::FAINT });
+    let lamp = [bench.card.length + 0.05, bench.filmed.plane.height + 0.004];
+    match bench.card.led {
+        None => d,
+        Some(_) => d.with(Part::Disc { at: at(lamp[0], lamp[1]), radius: 4.0, fill: palette::PRESSURE }).with(words(
+            at(lamp[0], lamp[1] + 0.003),
+            "lamp",
+            Side::Above,
+        )),
+    }
 }
 
 /// Markers nearer than this to the last labelled one are not labelled, m.

@@ -2,11 +2,10 @@
 //! film's silhouette. Paper, figure 1.
 
 use plot::{
-    Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, OverlayKind, Paint, Panel, Picture,
-    Placed,
+    Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, OverlayKind, Paint, Panel, Picture, Placed,
 };
 use plot::{Scene, View, palette};
-use si::{MILLIBAR, MILLIMETRE, Pascal, Point2, Point3, vec3};
+use si::{MILLIBAR, MILLIMETRE, Pascal, Point2, Point3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
@@ -31,7 +30,7 @@ impl figure::Figure for Tail {
     type Needs = (Every<Mesh, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>, Recovered);
     const NAME: &'static str = "tail";
     const CAPTION: &'static str = "a tail cut open, inflated in simulation and on film, and the buckling of its wall";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn draw((Every(meshes), Every(inflations), Every(examples), recovered): Self::Needs) -> Result<Figure> {
         let (meshes, inflations) = (in_order(meshes), in_order(inflations));
@@ -41,7 +40,7 @@ impl figure::Figure for Tail {
         let simulated = format!("simulated at {:.0} mbar", shape.pressure() / MILLIBAR);
         let mut top = vec![
             Panel::Scene(cut(mesh)).titled(&format!("{}, cut open at mid height", title(name))),
-            Panel::Scene(inflated(mesh, inflation, shape)).titled(&simulated).share(1.15),
+            Panel::Scene(inflated(mesh, inflation, shape)).titled(&simulated),
         ];
         let example = of(&examples, name);
         top.extend(example.map(filmed));
@@ -79,15 +78,10 @@ fn cut(mesh: &Mesh) -> Scene {
 
 fn inflated(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
     let moved = inflation.moved(mesh, shape);
-    let whole = Surfaces::whole(&mesh.solid, &moved);
-    let rest = Surfaces::whole(&mesh.solid, &mesh.solid.nodes);
-    let far = |(a, b): (&Point3, &Point3)| vec3::norm(vec3::sub(*a, *b)) / MILLIMETRE;
-    let far: Vec<f64> = whole.points.iter().zip(&rest.points).map(far).collect();
-    let outer: Vec<[u32; 3]> =
-        [Bounds::Body, Bounds::Sheet].iter().filter_map(|b| whole.faces.get(b)).flatten().copied().collect();
+    let outside = |bounds: Bounds| matches!(bounds, Bounds::Body | Bounds::Sheet).then(|| bounds.painted()).flatten();
     let markers: Vec<Point3> = mesh.markers.iter().map(|spot| spot.at(&moved)).collect();
-    Scene::new(ABOVE)
-        .with_values(&whole.points, &outer, &far, ColourBar::linear("displacement", "mm"))
+    Surfaces::whole(&mesh.solid, &moved)
+        .onto(Scene::new(ABOVE), outside)
         .with_overlay(markers, OverlayKind::Markers(Marker::Disc), palette::BLACK, 4.0)
         .with_scale_bar(20.0 * MILLIMETRE)
 }
@@ -99,7 +93,7 @@ fn filmed(example: &ExampleFrames) -> Placed {
     let at: Vec<Point2> =
         example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
     let picture = Picture::new(crop.width, crop.height, crop.pixels)
-        .with(Mark::points(at, Marker::Plus, palette::PRESSURE).sized(6.5))
+        .with(Mark::points(at, Marker::Ring, palette::PRESSURE).sized(8.0))
         .with_scale_bar(0.02 * example.seen.px_per_m, "20 mm");
     let pressure = example.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
     Panel::Picture(picture).titled(&format!("filmed at {:.0} mbar", pressure / MILLIBAR))
@@ -142,14 +136,21 @@ fn over_pressure(inflation: &Inflation, [film, body]: [Curve; 2], (what, of): (&
     if silhouette.is_empty() || film.is_empty() {
         return axes;
     }
-    axes.with(Mark::line(silhouette, palette::SIMULATED).dashed(Dash::Dashed).labelled("model, silhouette"))
-        .with(Mark::points(points(film), Marker::Disc, palette::MEASURED).sized(3.5).labelled("film, silhouette"))
+    axes.with(
+        Mark::line(silhouette, palette::SIMULATED)
+            .dashed(Dash::Dashed)
+            .labelled("model, silhouette (the fold is hidden)"),
+    )
+    .with(Mark::points(points(film), Marker::Disc, palette::MEASURED).sized(3.5).labelled("film, silhouette"))
 }
 
 /// Adds the pressures at which model and true body buckle, and below all those between which the film's tail does.
 fn critical(mut axes: Axes, film: Option<[Pascal; 2]>, [model, body]: [Option<Pascal>; 2]) -> Axes {
     let span = |[low, high]: [Pascal; 2]| Mark::span(low / MILLIBAR, high / MILLIBAR, palette::MEASURED);
     axes.marks.splice(0..0, film.map(span).map(|span| span.labelled("film, buckles between")));
-    let line = |(p, colour): (Option<Pascal>, _)| Some(Mark::vertical_line(p? / MILLIBAR, colour).dashed(Dash::Dotted));
-    [(model, palette::SIMULATED), (body, palette::SPINE)].into_iter().filter_map(line).fold(axes, Axes::with)
+    let line = |(p, colour, text): (Option<Pascal>, _, &str)| {
+        Some(Mark::vertical_line(p? / MILLIBAR, colour).dashed(Dash::Dotted).labelled(text))
+    };
+    let lines = [(model, palette::SIMULATED, "model buckles"), (body, palette::SPINE, "true body buckles")];
+    lines.into_iter().filter_map(line).fold(axes, Axes::with)
 }

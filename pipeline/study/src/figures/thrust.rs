@@ -74,7 +74,7 @@ fn forces(trace: &Trace) -> Placed {
         .with(
             Mark::line(curve(trace, &trace.measured, 1e3), palette::MEASURED)
                 .sized(1.3)
-                .labelled(&label("measured", &trace.measured)),
+                .labelled(&label("measured, corrected", &trace.measured)),
         )
         .with(
             Mark::line(curve(trace, &trace.network, 1e3), palette::NETWORK).labelled(&label("network", &trace.network)),

@@ -30,32 +30,48 @@ pub struct Interval {
     pub sigma: f64,
 }
 
-/// The tip marker over the repeats of one condition.
-#[derive(Debug, Clone, PartialEq)]
+/// The tip marker over the repeats of one condition: one simulation for all of them; in water with added mass and drag identified from a
+/// release, never from a flapping film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Validation {
     /// Its name.
     pub marker: String,
     /// Time of each frame, s: frames.
+    #[serde(skip)]
     pub time: Vec<Second>,
     /// Measured displacement from rest, the mean of the repeats, m: frames × 2.
+    #[serde(skip)]
     pub measured: Vec<Point2>,
     /// Standard deviation over the repeats, m: frames × 2.
+    #[serde(skip)]
     pub deviation: Vec<Point2>,
     /// Simulated displacement, m: frames × 2; second order, with the identified relaxation.
+    #[serde(skip)]
     pub simulated: Vec<Point2>,
+    /// The same by [`PAPER_MODEL`], m: frames × 2.
+    #[serde(skip)]
+    pub by_paper_model: Vec<Point2>,
     /// Measured pressures in the order of the card's chambers, Pa: chambers × frames.
+    #[serde(skip)]
     pub pressures: Vec<Vec<Pascal>>,
+    /// Their number.
+    pub chambers: usize,
     /// Root of the mean squared distance, m.
+    #[serde(rename = "rmse_m")]
     pub rmse: Metre,
     /// Predicted root mean square of the lateral displacement, m.
+    #[serde(rename = "amplitude_m")]
     pub amplitude: Interval,
     /// The specimen's length, m.
+    #[serde(rename = "length_m")]
     pub length: Metre,
     /// Root mean square of the measured displacement, m: the error of predicting no motion.
+    #[serde(rename = "zero_motion_rmse_m")]
     pub zero_motion_rmse: Metre,
     /// How many repeats there are.
     pub repeats: usize,
     /// Lag of the simulation at the flapping frequency, s.
+    #[serde(rename = "lag_s")]
     pub lag: Option<Second>,
     /// The models.
     pub scored: Vec<ScoredModel>,
@@ -64,29 +80,13 @@ pub struct Validation {
     /// Root mean square difference of the reduced from the full model over the largest displacement, no unit; in air.
     pub reduction: Option<f64>,
     /// Largest distance of the reduced model as a twin from the full model over the same time, m; in air.
+    #[serde(rename = "twin_error_m")]
     pub twin_error: Option<Metre>,
     /// Duration of the motion over the time in which the twin steps through it on one core, no unit.
+    #[serde(skip)]
     pub real_time_factor: Option<f64>,
     /// Coordinates of the reduced model.
     pub coordinates: usize,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Scalars {
-    marker: String,
-    rmse_m: f64,
-    amplitude_m: Interval,
-    length_m: f64,
-    zero_motion_rmse_m: f64,
-    chambers: usize,
-    repeats: usize,
-    lag_s: Option<f64>,
-    scored: Vec<ScoredModel>,
-    baselines: Vec<ScoredModel>,
-    reduction: Option<f64>,
-    twin_error_m: Option<f64>,
-    coordinates: usize,
-    note: String,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -94,10 +94,20 @@ struct Durations {
     real_time_factor: Option<f64>,
 }
 
-/// A note for readers of the record.
-const NOTE: &str = "one simulation for all repeats; in water with added mass and drag identified from a release, never from a flapping film";
+/// The columns of each path in the record.
+const PATHS: [&str; 4] = ["measured", "deviation", "simulated", PAPER_MODEL];
 
 impl Validation {
+    fn paths(&self) -> [(&'static str, &[Point2]); 4] {
+        let [measured, deviation, simulated, by_paper_model] = PATHS;
+        [
+            (measured, &self.measured),
+            (deviation, &self.deviation),
+            (simulated, &self.simulated),
+            (by_paper_model, &self.by_paper_model),
+        ]
+    }
+
     /// The error in per cent of the specimen's length.
     pub(crate) fn rmse_percent(&self) -> f64 {
         100.0 * self.rmse / self.length
@@ -120,67 +130,39 @@ impl Record for Validation {
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
-        let part = |path: &[Point2], k: usize| path.iter().map(|p| p[k]).collect();
-        let columns = Columns::default()
-            .numbers("time_s", self.time.clone())
-            .numbers("measured_x_m", part(&self.measured, 0))
-            .numbers("measured_y_m", part(&self.measured, 1))
-            .numbers("deviation_x_m", part(&self.deviation, 0))
-            .numbers("deviation_y_m", part(&self.deviation, 1))
-            .numbers("simulated_x_m", part(&self.simulated, 0))
-            .numbers("simulated_y_m", part(&self.simulated, 1));
+        let columns =
+            self.paths().iter().fold(Columns::default().numbers("time_s", self.time.clone()), |c, (who, path)| {
+                let along = |k: usize| path.iter().map(|p| p[k]).collect();
+                c.numbers(&format!("{who}_x_m"), along(0)).numbers(&format!("{who}_y_m"), along(1))
+            });
         let pressures = self.pressures.iter().enumerate();
         let columns = pressures.fold(columns, |c, (i, p)| c.numbers(&format!("chamber{i}_pa"), p.clone()));
-        let scalars = Scalars {
-            marker: self.marker.clone(),
-            rmse_m: self.rmse,
-            amplitude_m: self.amplitude,
-            length_m: self.length,
-            zero_motion_rmse_m: self.zero_motion_rmse,
-            chambers: self.pressures.len(),
-            repeats: self.repeats,
-            lag_s: self.lag,
-            scored: self.scored.clone(),
-            baselines: self.baselines.clone(),
-            reduction: self.reduction,
-            twin_error_m: self.twin_error,
-            coordinates: self.coordinates,
-            note: NOTE.into(),
-        };
-        let durations = Durations { real_time_factor: self.real_time_factor };
         RecordFiles::default()
             .table("validation.parquet", &columns)?
-            .scalars("validation.json", &scalars)?
-            .durations("durations.json", &durations)
+            .scalars("validation.json", self)?
+            .durations("durations.json", &Durations { real_time_factor: self.real_time_factor })
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
-        let s: Scalars = files.read_scalars("validation.json")?;
+        let scalars: Self = files.read_scalars("validation.json")?;
         let columns = files.read_table("validation.parquet")?;
         let path = |who: &str| -> Result<Vec<Point2>, RecordError> {
             let (x, y) = (columns.f64(&format!("{who}_x_m"))?, columns.f64(&format!("{who}_y_m"))?);
             // length: columns of one table are equally long
             Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
         };
+        let [measured, deviation, simulated, by_paper_model] = PATHS.map(path);
         Ok(Self {
-            marker: s.marker,
             time: columns.f64("time_s")?,
-            measured: path("measured")?,
-            deviation: path("deviation")?,
-            simulated: path("simulated")?,
-            pressures: (0..s.chambers).map(|i| columns.f64(&format!("chamber{i}_pa"))).collect::<Result<_, _>>()?,
-            rmse: s.rmse_m,
-            amplitude: s.amplitude_m,
-            length: s.length_m,
-            zero_motion_rmse: s.zero_motion_rmse_m,
-            repeats: s.repeats,
-            lag: s.lag_s,
-            scored: s.scored,
-            baselines: s.baselines,
-            reduction: s.reduction,
-            twin_error: s.twin_error_m,
+            measured: measured?,
+            deviation: deviation?,
+            simulated: simulated?,
+            by_paper_model: by_paper_model?,
+            pressures: (0..scalars.chambers)
+                .map(|i| columns.f64(&format!("chamber{i}_pa")))
+                .collect::<Result<_, _>>()?,
             real_time_factor: files.read_scalars::<Durations>("durations.json")?.real_time_factor,
-            coordinates: s.coordinates,
+            ..scalars
         })
     }
 

@@ -67,7 +67,7 @@ impl Stage for Validate {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const DESCRIPTION: &'static str = "flapping is predicted and compared with validation trials";
-    const VERSION: u32 = 17;
+    const VERSION: u32 = 18;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Validation> {
         let ((mesh, identified, reduced), relaxation, InWater(drag), Repeats(films)) = needs;
@@ -136,6 +136,7 @@ impl Stage for Validate {
         let began = context.thread_seconds();
         let twin = real_time::path((&reduced_body, water.as_ref()), marker, set.step, &actuation)?;
         let real_time_factor = twin.map(|_| (ends.1 - ends.0) / (context.thread_seconds() - began));
+        let by_paper_model = paths.pop().unwrap_or_default();
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
         let quasi_static = QuasiStatic { pressures: &pressures, identified: &identified, marker };
@@ -158,6 +159,8 @@ impl Stage for Validate {
             measured: seen.mean,
             deviation: seen.deviation,
             simulated,
+            by_paper_model,
+            chambers: pressures.len(),
             pressures,
         })
     }
