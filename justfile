@@ -97,10 +97,11 @@ real-arm-card: build
     {{programs}}/study doctor arm_ds10 --root target/arm
     {{programs}}/study run --specimen arm_ds10 identify --root target/arm
 
-# a coarse and short version of the main path, of one tail, under target/quick
+# a coarse and short version of the main path, of one tail, under target/quick: stages, then every figure and table that they give
 quick: build
     {{programs}}/rig record marlin --profile quick
     {{programs}}/study run --profile quick identify method_comparison relaxation validate recovery thrust
+    {{programs}}/study run --profile quick --quiet tail overview designs setup sysid dynamics dynamics_water load_cell prototypes trials methods ingredients validation thrust_models optics
 
 # every number against what is expected and published, every claim against its rule (of the paper profile: just check paper)
 check PROFILE="quick": build

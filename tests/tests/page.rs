@@ -45,7 +45,7 @@ fn every_figure_table_stage_and_claim_has_its_place_on_the_page() {
     let project = Project::new("places");
     let runner = project.open();
     let html = fs::read_to_string(study::page(&runner).unwrap()).unwrap();
-    let made = |entry: &workflow::entry::Entry<study::subject::Study>| !(entry.subjects)(&runner.universe).is_empty();
+    let made = |entry: &workflow::entry::Entry<records::subject::Study>| !(entry.subjects)(&runner.universe).is_empty();
     for (list, kind) in [(study::figures::ALL, "figure"), (study::tables::ALL, "table"), (study::stages::ALL, "stage")]
     {
         let missing = list.iter().filter(|e| made(e)).map(|e| format!("id=\"{kind}-{}\"", e.name));

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use mesh::stl;
-use study::subject::{Specimen, Study};
+use records::subject::{Specimen, Study};
 use tail_cad::Tail;
 use toml::{Table, Value};
 use track::Gray;

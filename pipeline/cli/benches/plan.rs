@@ -106,7 +106,7 @@ struct MadeUp<'a> {
 }
 
 impl MadeUp<'_> {
-    fn write(&mut self, job: &Job<study::subject::Study>) {
+    fn write(&mut self, job: &Job<records::subject::Study>) {
         let inputs = job.inputs.as_ref().unwrap();
         let folders = &self.runner.folders;
         let raw = inputs.raw.iter().map(|file| {

@@ -31,5 +31,5 @@ pub mod paper;
 pub mod paper_files;
 mod real_tables;
 pub mod ro_crate;
-pub mod stage_diagram;
+mod stage_diagram;
 pub mod stand_in;

@@ -11,7 +11,7 @@ const APART: Point2 = [2.6, 2.4];
 const SOURCE: f64 = 13.0;
 
 /// The graph as a diagram; `said` may say something else than a stage's story.
-pub fn stage_diagram(graph: &StageGraph, text: &dyn Fn(&str) -> Option<String>) -> Diagram {
+pub(crate) fn stage_diagram(graph: &StageGraph, text: &dyn Fn(&str) -> Option<String>) -> Diagram {
     let direct = graph.direct();
     let layout = lay_out(&direct, graph.recordings);
     let pitch = [BOX[0] + APART[0], BOX[1] + APART[1]];

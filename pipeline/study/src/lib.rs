@@ -1,6 +1,6 @@
 //! The study: recordings in; tracks, identified materials, validation, figures and tables out.
 //!
-//! `stages/` holds the pipeline in the order of the data, `records/` what each stage makes, `figures/` and `tables/` what the paper shows.
+//! `stages/` holds the pipeline in the order of the data, `figures/` and `tables/` what the paper shows.
 //! The study reads `data/raw` alone; the hidden truth of a virtual bench is read by the stage `recovery` only.
 //!
 //! ```
@@ -8,16 +8,13 @@
 //! assert!(study::description().lines().next().is_some_and(|line| line.starts_with("mesh")));
 //! ```
 //!
-//! Depends on every tool crate, on `workflow`, `sysid`, `thrust`, `simulate` and `publish`; never on the virtual bench.
+//! Depends on every tool crate, on `records`, `workflow`, `sysid`, `thrust`, `simulate` and `publish`; never on the virtual bench.
 
 pub mod figures;
 pub mod live;
 mod page;
-pub mod records;
 mod renamed;
-mod selections;
 pub mod stages;
-pub mod subject;
 pub mod tables;
 
 use std::path::{Path, PathBuf};
@@ -26,7 +23,7 @@ use diagnostics::{Diagnostic, Result, input};
 use publish::check::{Checked, Results};
 use publish::expected::Expected;
 use publish::{metrics_file, outdated, page_file, paper, paper_files, ro_crate, stand_in};
-use subject::{Specimen, Study};
+use records::subject::{Specimen, Study};
 use workflow::entry::Entry;
 use workflow::ranges::Ranges;
 use workflow::runner::{Folders, Goal, Options, RunSummary};

@@ -13,8 +13,8 @@ use workflow::record::Record;
 use workflow::runner::Store;
 
 use crate::Runner;
-use crate::records::{Drag, Identified, Mesh, Motion, Reduced, Relaxation, Validation};
-use crate::subject::{Specimen, Trial};
+use records::subject::{Specimen, Trial};
+use records::{Drag, Identified, Mesh, Motion, Reduced, Relaxation, Validation};
 
 /// What a twin is made from.
 type Inputs = ((Mesh, Identified, Reduced), Relaxation, Maybe<Drag>);

@@ -12,9 +12,9 @@ use workflow::needs::{RecordReader, id};
 use workflow::record::Record;
 use workflow::runner::{Goal, Store};
 
-use crate::records::{Inflation, Mesh};
-use crate::subject::Specimen;
 use crate::{Runner, live};
+use records::subject::Specimen;
+use records::{Inflation, Mesh};
 
 /// Above this number of faces, curved faces are drawn flat: drawing them one by one is too slow.
 const MAX_FACES: usize = 24_000;

@@ -5,9 +5,7 @@
 
 use std::sync::OnceLock;
 
-use study::records::{
-    Camera, Drag, Findings, FourParameters, MeshSensitivity, Recovered, Reduced, Relaxation, Transfer,
-};
+use records::{Camera, Drag, Findings, FourParameters, MeshSensitivity, Recovered, Reduced, Relaxation, Transfer};
 use workflow::columns::Columns;
 use workflow::record::{Record, RecordError, RecordFiles};
 use workflow::settings::Profile;

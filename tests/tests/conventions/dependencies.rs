@@ -32,6 +32,23 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("publish", &["si", "diagnostics", "plot", "twin", "workflow"]),
     ("rig", &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "track", "signal", "simulate", "workflow"]),
     (
+        "records",
+        &[
+            "si",
+            "diagnostics",
+            "lab",
+            "mesh",
+            "fem",
+            "track",
+            "signal",
+            "optimize",
+            "hydro",
+            "sysid",
+            "thrust",
+            "workflow",
+        ],
+    ),
+    (
         "study",
         &[
             "si",
@@ -51,6 +68,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "thrust",
             "workflow",
             "publish",
+            "records",
         ],
     ),
     (
@@ -70,6 +88,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "twin",
             "workflow",
             "publish",
+            "records",
             "study",
         ],
     ),

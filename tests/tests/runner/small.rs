@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study};
 use serde::{Deserialize, Serialize};
-use study::subject::{Specimen, Study};
 use workflow::entry::{Entry, stage};
 use workflow::record::{Record, RecordError, RecordFiles};
 use workflow::runner::{Folders, Goal, Options, RunSummary, Runner};

@@ -10,8 +10,8 @@ use track::video::Film;
 
 use super::Project;
 use super::finding::Finding;
+use records::subject::Specimen;
 use study::stages::camera::{Camera, target};
-use study::subject::Specimen;
 use workflow::runner::inspection_context;
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;

@@ -3,8 +3,8 @@
 use super::Project;
 use super::film::DecodedFilm;
 use super::finding::Finding;
+use records::subject::Trial;
 use study::stages::clock::{Clock, Settings, Synchronisation};
-use study::subject::Trial;
 use workflow::runner::inspection_context;
 use workflow::stage::Stage;
 use workflow::subject::Part;

@@ -10,9 +10,9 @@ use signal::edge::{self, Window};
 
 use super::finding::Finding;
 use super::{Project, sense, stamps};
+use records::subject::{Specimen, Trial};
 use study::stages::load_cell::LoadCell;
 use study::stages::tank::Tank;
-use study::subject::{Specimen, Trial};
 use workflow::record::Record;
 use workflow::runner::inspection_context;
 use workflow::stage::Stage;

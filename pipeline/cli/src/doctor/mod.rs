@@ -25,9 +25,9 @@ pub use finding::Finding;
 
 use diagnostics::{Diagnostic, Result};
 use finding::{Severity, all_findings};
+use records::subject::{Specimen, Trial};
 use study::Runner;
 use study::stages;
-use study::subject::{Specimen, Trial};
 use workflow::runner::Folders;
 use workflow::settings::Settings;
 

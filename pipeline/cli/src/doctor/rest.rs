@@ -10,7 +10,7 @@ use track::video::Info;
 use super::board::RoughCamera;
 use super::finding::Finding;
 use diagnostics::Diagnostic;
-use study::subject::Trial;
+use records::subject::Trial;
 
 /// Whether the pictures of a film are of the calibration's size.
 pub(crate) fn size_mismatch(film_path: &str, info: &Info, camera: &RoughCamera) -> Option<Finding> {

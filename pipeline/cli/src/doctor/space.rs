@@ -3,9 +3,9 @@
 use super::Project;
 use super::finding::Finding;
 use diagnostics::Result;
+use records::subject::Trial;
 use study::stages::clock::Clock;
 use study::stages::markers::Markers;
-use study::subject::Trial;
 use workflow::needs::Maybe;
 use workflow::runner::inspection_context;
 use workflow::stage::Stage;

@@ -6,9 +6,9 @@
 use optimize::coverage::{rank_histogram, share_bounds, share_by_probability};
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
 
-use crate::records::{self, Coverage};
-use crate::subject::Study;
 use diagnostics::Result;
+use records::subject::Study;
+use records::{self, Coverage};
 use workflow::figure;
 use workflow::record::Record;
 

@@ -7,9 +7,9 @@ use si::{MILLIMETRE, ModulusUnit, Pascal, Point3};
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::records::Mesh;
-use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
+use records::Mesh;
+use records::subject::{Specimen, Study};
 use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
@@ -81,8 +81,8 @@ const DARK: Pascal = 1e6;
 
 /// The colour of the softest solid: the stiffer, the darker.
 fn silicone(card: &lab::Card) -> plot::Colour {
-    let softest = card.solid.parts.iter().map(|part| part.solid.youngs_modulus).fold(f64::INFINITY, f64::min);
-    palette::BODY.towards(palette::BLACK, 0.5 * (softest / DARK).min(1.0))
+    let lowest = card.solid.parts.iter().map(|part| part.solid.youngs_modulus).fold(f64::INFINITY, f64::min);
+    palette::BODY.towards(palette::BLACK, 0.5 * (lowest / DARK).min(1.0))
 }
 
 /// The nominal modulus of a solid.
@@ -93,6 +93,6 @@ fn nominal(lab::card::Part { name, solid }: &lab::card::Part) -> String {
 
 /// The volume of each chamber.
 fn air(mesh: &Mesh) -> String {
-    let one = |c: &crate::records::Cavity| format!("{} {:.1} ml", c.name, 1e6 * c.volume_m3);
+    let one = |c: &records::Cavity| format!("{} {:.1} ml", c.name, 1e6 * c.volume_m3);
     mesh.chambers.iter().map(one).collect::<Vec<_>>().join(", ")
 }

@@ -8,10 +8,10 @@ use si::{MILLIBAR, MILLIMETRE, Point2, Second};
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::records::Validation;
-use crate::subject::{Study, Trial};
 use diagnostics::{Diagnostic, Result};
 use lab::card::Experiment;
+use records::Validation;
+use records::subject::{Study, Trial};
 use workflow::figure;
 use workflow::needs::Every;
 use workflow::record::Record;

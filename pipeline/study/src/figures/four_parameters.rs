@@ -9,9 +9,8 @@ use si::Point2;
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::records;
-use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study};
 use workflow::figure;
 use workflow::needs::Every;
 

@@ -14,7 +14,9 @@ mod tail;
 mod thrust;
 mod waveforms;
 
-use crate::subject::Study;
+use plot::{Mark, palette};
+use records::subject::Study;
+use si::Point2;
 use workflow::entry::{Entry, figure};
 
 /// Every figure.
@@ -36,6 +38,18 @@ pub const ALL: &[Entry<Study>] = &[
 
 /// From where a body cut open at mid height shows its inside: from above, before and beside.
 const CUT_VIEW: plot::View = plot::View { direction: [-0.25, 0.62, -0.75], up: [0.0, 0.0, 1.0] };
+
+/// Radius of a circle around a marker of a film, px.
+const CIRCLE: f64 = 14.0;
+
+/// A circle around each place in a picture (px), which leaves what is there to be seen.
+fn circles(at: &[Point2]) -> impl Iterator<Item = Mark> {
+    at.iter().map(|[x, y]| {
+        let turn = |k: u32| (std::f64::consts::TAU * f64::from(k) / 24.0).sin_cos();
+        let rim = (0..=24).map(|k| [x + CIRCLE * turn(k).1, y + CIRCLE * turn(k).0]).collect();
+        Mark::line(rim, palette::PRESSURE).sized(1.2)
+    })
+}
 
 /// The origin of the data, as a note for the reader.
 fn origin_note<'a>(mut cards: impl Iterator<Item = &'a lab::Card>) -> String {

@@ -2,7 +2,7 @@
 
 use plot::{Colour, palette};
 
-use crate::subject::{Specimen, Trial};
+use records::subject::{Specimen, Trial};
 
 /// The tails of the paper, in its order; others follow by name.
 const PAPER: [&str; 3] = ["nemo", "bruce", "dory"];

@@ -10,9 +10,9 @@ use si::{MILLIBAR, MILLIMETRE, Point2};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use crate::records::{ExampleFrames, Identified, Inflation, Mesh, MethodComparison, Thrust, Trace, Validation};
-use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study, Trial};
+use records::{ExampleFrames, Identified, Inflation, Mesh, MethodComparison, Thrust, Trace, Validation};
 use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
@@ -76,8 +76,8 @@ const STATIONS: [Station; 7] = [
     Station("simulation", [77.0, 21.0], [42.0, 40.0]),
     Station("loss of x − xₘ", [77.0, 73.0], [42.0, 44.0]),
     Station("moduli by iteration", [149.0, 73.0], [62.0, 44.0]),
-    Station("motion never seen", [131.5, 21.0], [40.0, 40.0]),
-    Station("thrust", [164.5, 21.0], [32.0, 40.0]),
+    Station("motion never seen", [130.0, 21.0], [37.0, 40.0]),
+    Station("thrust", [165.5, 21.0], [30.0, 40.0]),
 ];
 
 /// The arrows between the boxes, mm, with their texts.
@@ -121,9 +121,9 @@ fn sheet(insets: [Option<Panel>; 7]) -> Diagram {
 fn frame(example: &ExampleFrames) -> Picture {
     let [left, top, right, bottom] = example.seen.window_px;
     let crop = example.held.crop(left, top, right - left, bottom - top);
-    let at = example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
-    Picture::new(crop.width, crop.height, crop.pixels)
-        .with(Mark::points(at, Marker::Ring, palette::PRESSURE).sized(6.0))
+    let at: Vec<Point2> =
+        example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
+    super::circles(&at).fold(Picture::new(crop.width, crop.height, crop.pixels), Picture::with)
 }
 
 fn inflated(mesh: &Mesh, inflation: &Inflation) -> Option<Scene> {

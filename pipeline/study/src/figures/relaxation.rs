@@ -8,9 +8,9 @@ use si::{Hertz, MILLIBAR, MILLIMETRE, Point2, Second};
 
 use super::order::{colour, in_order, title};
 use super::origin_note;
-use crate::records::{self, Estimate, Quantity, Recovered};
-use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study};
+use records::{self, Estimate, Quantity, Recovered};
 use sysid::relaxation::Transient;
 use workflow::figure;
 use workflow::needs::Every;

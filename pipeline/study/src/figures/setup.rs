@@ -10,9 +10,9 @@ use si::{MILLIMETRE, Metre, Point2, Point3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use crate::records::{Camera, ExampleFrames, LoadCell, Mesh, Tank};
-use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study, Trial};
+use records::{Camera, ExampleFrames, LoadCell, Mesh, Tank};
 use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
@@ -199,17 +199,17 @@ fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram
     d.with(rod(0.012))
         .with(rod(-0.012))
         .with(Part::Box { at: at(edge - 0.02, 0.0), size: [36.0, 56.0], lines: vec![], fill: grey })
-        .with(words(at(edge - 0.02, 0.0), "holder", Side::Centre))
+        .with(words(at(edge - 0.036, 0.028), "holder", Side::Above))
         .with(Part::Box { at: at(edge - 0.115, 0.0), size: [44.0, 38.0], lines: vec![], fill: palette::FAINT })
         .with(words(at(edge - 0.115, -0.019), "load cell", Side::Below))
 }
 
 /// Valve and logger on the holder's hose, and the lamp that synchronises film and log: a sketch, only the lamp's place in the picture is known.
 fn pneumatics(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
-    let x = bench.card.clamp.end() - 0.02;
+    let x = bench.card.clamp.end() - 0.008;
     let lines = ["valve".to_owned(), "pressure logger".to_owned()].to_vec();
-    let hose = line(vec![at(x, 0.028), at(x, 0.105)], palette::PRESSURE, 1.6, Dash::Solid);
-    let d = d.with(hose).with(Part::Box { at: at(x, 0.12), size: [96.0, 30.0], lines, fill: palette::FAINT });
+    let hose = line(vec![at(x, 0.028), at(x, 0.1)], palette::PRESSURE, 1.6, Dash::Solid);
+    let d = d.with(hose).with(Part::Box { at: at(x, 0.12), size: [136.0, 40.0], lines, fill: palette::FAINT });
     let lamp = [bench.card.length + 0.05, bench.filmed.plane.height + 0.004];
     match bench.card.led {
         None => d,

@@ -11,9 +11,9 @@ use si::{MILLIBAR, MILLIMETRE, Pascal, Point2};
 
 use super::order::{colour, in_order, title};
 use super::origin_note;
-use crate::records::{Identified, Level, MethodComparison};
-use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study};
+use records::{Identified, Level, MethodComparison};
 use workflow::figure;
 use workflow::needs::Every;
 

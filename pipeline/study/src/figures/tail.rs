@@ -9,10 +9,10 @@ use si::{MILLIBAR, MILLIMETRE, Pascal, Point2, Point3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use crate::records::{ExampleFrames, Inflation, Mesh, Recovered, Shape};
-use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::Walls;
+use records::subject::{Specimen, Study, Trial};
+use records::{ExampleFrames, Inflation, Mesh, Recovered, Shape};
 use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
@@ -92,8 +92,8 @@ fn filmed(example: &ExampleFrames) -> Placed {
     let crop = example.held.crop(left, top, right - left, bottom - top);
     let at: Vec<Point2> =
         example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
-    let picture = Picture::new(crop.width, crop.height, crop.pixels)
-        .with(Mark::points(at, Marker::Ring, palette::PRESSURE).sized(8.0))
+    let picture = super::circles(&at)
+        .fold(Picture::new(crop.width, crop.height, crop.pixels), Picture::with)
         .with_scale_bar(0.02 * example.seen.px_per_m, "20 mm");
     let pressure = example.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
     Panel::Picture(picture).titled(&format!("filmed at {:.0} mbar", pressure / MILLIBAR))

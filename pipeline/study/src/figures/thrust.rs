@@ -8,9 +8,9 @@ use si::{MILLIMETRE, Point2};
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::records::{self, Trace};
-use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study};
+use records::{self, Trace};
 use workflow::figure;
 use workflow::needs::Every;
 

@@ -8,10 +8,10 @@ use si::{MILLIBAR, Pascal, Point2};
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::records::OptimalActuation;
-use crate::subject::{Specimen, Study};
 use ::thrust::optimal_waveform::{Flap, OptimalWaveforms, Performed};
 use diagnostics::Result;
+use records::OptimalActuation;
+use records::subject::{Specimen, Study};
 use workflow::figure;
 use workflow::needs::Every;
 

@@ -7,8 +7,8 @@ use si::{Metre, Second};
 use signal::resample::Samples;
 
 use super::deviations::{Open, PART};
-use crate::records::{Drag, Interval};
 use diagnostics::Result;
+use records::{Drag, Interval};
 use sysid::actuated::Actuation;
 use sysid::{ReducedBody, Viscoelastic};
 

@@ -5,8 +5,8 @@ use si::Point2;
 
 use super::fitting::Fitting;
 use super::gradients::gradient_over_forward;
-use crate::records::{self, IdentificationDurations, Identified, Level};
 use diagnostics::Result;
+use records::{self, IdentificationDurations, Identified, Level};
 use sysid::uncertainty::{self, Posterior};
 use sysid::{Minimum, Model, Stiffened, by_node, residuals_of};
 use workflow::stage::StageContext;

@@ -6,7 +6,7 @@
 use si::{Hertz, Metre, Pascal, Point2, Second};
 
 use super::repeats::{Seen, rms};
-use crate::records::{Identified, Level, ScoredModel};
+use records::{Identified, Level, ScoredModel};
 
 /// The quasi-static model of a motion.
 pub struct QuasiStatic<'a> {

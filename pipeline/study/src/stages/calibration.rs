@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::records::{self, Coverage, Estimate, QuantityKind, Recovered};
 use diagnostics::Result;
+use records::{self, Coverage, Estimate, QuantityKind, Recovered};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.

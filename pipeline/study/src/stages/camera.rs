@@ -14,9 +14,8 @@ use track::picture_size;
 use track::pose::Pose;
 use track::video::Film;
 
-use crate::records;
-use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
+use records::subject::Specimen;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 

@@ -13,9 +13,9 @@ use signal::clock::Clock as Match;
 use signal::edge::{self, Edge, Window};
 use track::shutter::Shutter;
 
-use crate::records::{self, Camera, Covariance2, CovarianceParts, Gauge, Markers, Motion, Path, Tracks};
-use crate::subject::Trial;
 use diagnostics::{Diagnostic, Result};
+use records::subject::Trial;
+use records::{self, Camera, Covariance2, CovarianceParts, Gauge, Markers, Motion, Path, Tracks};
 use workflow::needs::Maybe;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;

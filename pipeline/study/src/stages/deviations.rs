@@ -3,9 +3,9 @@
 //! Whatever is predicted with the silicone is simulated with each of these as well: the squares of the changes over [`PART`] add to the
 //! variance.
 
-use crate::records::{Identified, Relaxation};
 use diagnostics::Result;
 use optimize::posterior::deviations;
+use records::{Identified, Relaxation};
 use sysid::{Model, Viscoelastic};
 
 /// The part of a standard deviation. A sheet that is known to 30 % would otherwise draw the relaxation, which follows it in logarithms, far

@@ -6,7 +6,7 @@ use si::Point2;
 
 use super::fitting::{Card, Films, Fitting, Settings, mean_rest};
 use super::mesh;
-use crate::records::Mesh;
+use records::Mesh;
 use sysid::discretisation::{MeshError, mesh_error};
 use sysid::{Elastic, LevelSolver, Model, statics};
 use workflow::stage::StageContext;

@@ -13,12 +13,12 @@ use si::{KilogramPerCubicMetre, Metre, Pascal, Second};
 
 use super::deviations::{Open, PART};
 use super::simulation;
-use crate::records::{self, Identified, Level, Mesh, Motion, Reduced, Relaxation};
-use crate::selections::{OfTrials, UnderwaterStaircases};
 use ::thrust::outline::Outline;
 use ::thrust::release::{ReleaseSettings, rms};
 use ::thrust::underwater::UnderwaterModel;
 use diagnostics::{Diagnostic, Result};
+use records::selections::{OfTrials, UnderwaterStaircases};
+use records::{self, Identified, Level, Mesh, Motion, Reduced, Relaxation};
 use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, frame_interval};
 use sysid::relaxation::Window;
 use sysid::{Body, ReducedBody, TimeSteps, Viscoelastic};

@@ -11,10 +11,10 @@ use track::silhouette::Outline;
 use track::video::Film;
 
 use super::plateaus::holds;
-use crate::records::{self, Camera, FrameData, Markers, Motion, Path, Tracks};
-use crate::subject::Trial;
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::Walls;
+use records::subject::Trial;
+use records::{self, Camera, FrameData, Markers, Motion, Path, Tracks};
 use sysid::silhouette::Stations;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
@@ -189,7 +189,7 @@ fn too_short(frames: &[usize], context: &dyn StageContext) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::records::{Clock, Gauge};
+    use records::{Clock, Gauge};
 
     /// Two pressures, each held for 0.5 s, in a film of `frames`, 0.01 s apart.
     fn staircase(frames: u32) -> Motion {

@@ -2,11 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::records::{
-    Finding, Findings as Record, Identified, LoadCell, MethodComparison, Recovered, Thrust, Validation,
-};
-use crate::subject::Condition;
 use diagnostics::Result;
+use records::subject::Condition;
+use records::{Finding, Findings as Record, Identified, LoadCell, MethodComparison, Recovered, Thrust, Validation};
 use signal::statistics::{correlation, minima, negative_share, ranks};
 use sysid::landscape::lowest_points;
 use workflow::needs::Every;
@@ -91,7 +89,7 @@ fn undamped(validation: &Validation) -> Option<f64> {
 
 /// Means are over the runs held out by the card; the share of negative force is that of the plotted run.
 fn of_thrust(thrust: &Thrust) -> Vec<(&'static str, f64, &'static str)> {
-    let sum = |of: fn(&crate::records::Means) -> f64| thrust.means.iter().map(of).sum::<f64>();
+    let sum = |of: fn(&records::Means) -> f64| thrust.means.iter().map(of).sum::<f64>();
     let mut found = vec![("theory_over_measured", sum(|m| m.theory_n) / sum(|m| m.measured_n), "")];
     for trace in thrust.traces.iter().filter(|trace| !trace.training) {
         found.push(("theory_lowest_mn", 1e3 * trace.theory.iter().copied().fold(f64::INFINITY, f64::min), "mN"));

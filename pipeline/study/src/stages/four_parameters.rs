@@ -9,8 +9,8 @@ use optimize::optimisers::{self, gauss_newton};
 use optimize::{Bounds, Evaluation, Needs, Problem};
 use serde::{Deserialize, Serialize};
 
-use crate::records::{self, Four, Identified, Mesh, Uncertainty};
 use diagnostics::{Diagnostic, Result};
+use records::{self, Four, Identified, Mesh, Uncertainty};
 use sysid::Interrupted;
 use sysid::Misfit;
 use sysid::{Body, CertifiedSearch, Derivatives, Elastic, LevelSolver, Model, residuals_of};

@@ -7,9 +7,9 @@
 use super::discretisation::finer;
 use super::fitting::{Card, Films, Fitting, Settings};
 use super::mesh;
-use crate::records::{Identified, Mesh};
-use crate::subject::Specimen;
 use diagnostics::Result;
+use records::subject::Specimen;
+use records::{Identified, Mesh};
 use workflow::stage::{RawFile, Stage, StageContext};
 
 /// The stage.

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use si::{Pascal, Point3, vec3};
 
 use super::walls::WallGauge;
-use crate::records::{ExampleFrames, FrameData, Identified, Inflation, Mesh, Shape};
-use crate::selections::OfTrials;
-use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::end_rotation;
+use records::selections::OfTrials;
+use records::subject::{Specimen, Trial};
+use records::{ExampleFrames, FrameData, Identified, Inflation, Mesh, Shape};
 use sysid::silhouette::Stations;
 use sysid::{Body, by_node};
 use workflow::stage::{Stage, StageContext};

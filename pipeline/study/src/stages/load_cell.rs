@@ -11,9 +11,8 @@ use si::{Hertz, Newton};
 use signal::cell::{ExampleThrust, Regularisation, identify_from_taps};
 
 use super::tank::{TAPS, read_force};
-use crate::records;
-use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
+use records::subject::Specimen;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 

@@ -5,8 +5,8 @@ use optimize::Bounds;
 use optimize::optimisers::grid;
 use si::{Pascal, Point2};
 
-use crate::records::{Profile, Surface};
 use diagnostics::Result;
+use records::{Profile, Surface};
 use sysid::{Evaluated, Loss, landscape, uncertainty};
 
 /// The landscape and the profiles, interpolated between the grid's points; given are the points an axis of the grid and of the landscape. A

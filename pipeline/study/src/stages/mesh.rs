@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use si::{Metre, Point3};
 use std::path::Path;
 
-use crate::records::{self, Cavity, Quality};
-use crate::subject::Specimen;
 use ::mesh::{ElementChoice, ElementName, Grading, Method, foreign};
 use diagnostics::{Diagnostic, Result};
+use records::subject::Specimen;
+use records::{self, Cavity, Quality};
 use sysid::{Meshed, NamedRegion};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;

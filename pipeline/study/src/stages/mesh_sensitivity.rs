@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use si::Metre;
 
 use super::mesh;
-use crate::records::{self, Identified, Mesh, MeshResult, Moduli};
-use crate::subject::Specimen;
 use diagnostics::Result;
+use records::subject::Specimen;
+use records::{self, Identified, Mesh, MeshResult, Moduli};
 use sysid::{Attached, Body, CertifiedSearch, Derivatives, Elastic, Interrupted, LevelSolver, Misfit, Model};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;

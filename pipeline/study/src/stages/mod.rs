@@ -39,7 +39,7 @@ mod validate;
 mod walls;
 mod wave;
 
-use crate::subject::Study;
+use records::subject::Study;
 use workflow::entry::{Entry, stage};
 
 /// Every stage.

@@ -8,8 +8,8 @@ use std::ops::Range;
 
 use si::{Pascal, Point2, Second};
 
-use crate::records::{Covariance2, CovarianceParts, Markers, Motion, Path};
 use diagnostics::{Diagnostic, Result};
+use records::{Covariance2, CovarianceParts, Markers, Motion, Path};
 use sysid::PressureLevel;
 
 /// The shape at each held pressure: weighted means over the last `settled` (0 … 1) of each hold that lasts at least `shortest` (s).

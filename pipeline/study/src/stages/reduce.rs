@@ -7,9 +7,9 @@ use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
 use si::Pascal;
 
-use crate::records::{Identified, Level, Mesh, Reduced};
-use crate::subject::{Specimen, Trial};
 use diagnostics::Result;
+use records::subject::{Specimen, Trial};
+use records::{Identified, Level, Mesh, Reduced};
 use sysid::{Body, Reduction, Snapshots};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;

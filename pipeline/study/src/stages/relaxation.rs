@@ -8,10 +8,10 @@ use si::{Metre, Pascal, Second};
 
 use super::fitting::mean_rest;
 use super::simulation;
-use crate::records::{self, Identified, Mesh, Motion, Reduced};
-use crate::selections::IdentificationTrials;
-use crate::subject::TrialId;
 use diagnostics::Result;
+use records::selections::IdentificationTrials;
+use records::subject::TrialId;
+use records::{self, Identified, Mesh, Motion, Reduced};
 use sysid::actuated::frame_interval;
 use sysid::relaxation::{Film, Footage, SpectrumProblem, SpectrumSettings, Window};
 use sysid::{Body, ReducedBody, TimeSteps};

@@ -4,8 +4,8 @@ use si::{Metre, Point2, Second};
 use signal::resample::Samples;
 
 use super::simulation;
-use crate::records::Motion;
 use diagnostics::{Diagnostic, Result};
+use records::Motion;
 use sysid::actuated::onto;
 
 /// Mean and deviation of the repeats of one experiment.

@@ -2,8 +2,8 @@
 
 use signal::resample::Samples;
 
-use crate::records::Motion;
 use diagnostics::{Diagnostic, Result};
+use records::Motion;
 
 /// The measured pressures of a film.
 ///

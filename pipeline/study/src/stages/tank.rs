@@ -6,14 +6,13 @@
 use std::path::Path as FilePath;
 
 use lab::Logged;
-use lab::card::{self, Fixture, FixtureOf, LogKind, Medium};
+use lab::card::{self, LogKind};
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Newton};
 use signal::wave::{self, StillWater};
 
-use crate::records;
-use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
+use records::subject::Specimen;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 
@@ -45,11 +44,6 @@ impl Part<Specimen> for Card {
     }
 }
 
-/// Whether a recording shows water at rest: in air nothing can stand.
-pub(crate) fn is_still_water(fixture: &Fixture) -> bool {
-    fixture.of == FixtureOf::StillWater && fixture.medium == Medium::Water
-}
-
 impl Stage for Tank {
     type Settings = Settings;
     type Card = Card;
@@ -59,7 +53,7 @@ impl Stage for Tank {
     const VERSION: u32 = 5;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
-        let still = of.card.fixture.iter().filter(|f| is_still_water(f));
+        let still = of.card.fixture.iter().filter(|f| records::is_still_water(f));
         still.take(1).map(|f| RawFile::new("still water", &of.card.name, &f.force)).collect()
     }
 

@@ -6,10 +6,10 @@
 use rayon::prelude::*;
 
 use super::thrust;
-use crate::records::{HeldOut, Layout, Scored, Thrust, Transfer as Record};
 use ::thrust::score::score;
 use ::thrust::{MODELS, Run, ThrustModel, TrainingSettings};
 use diagnostics::Result;
+use records::{HeldOut, Layout, Scored, Thrust, Transfer as Record};
 use workflow::needs::Every;
 use workflow::stage::{Stage, StageContext};
 

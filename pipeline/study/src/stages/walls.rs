@@ -2,8 +2,8 @@
 
 use si::{MILLIBAR, Metre, Pascal, Point3, vec3};
 
-use crate::records::Mesh;
 use mesh::wall::{Section, Walls, buckling_pressure};
+use records::Mesh;
 use sysid::{PressureLevel, SimulatedLevel};
 
 /// Measures the walls of the shapes of one mesh.

@@ -15,9 +15,9 @@ use signal::wave::{self, Beat, Removal};
 use signal::zero::Zero;
 
 use super::tank::read_force;
-use crate::records::{CorrectedForce, Motion, Tank};
-use crate::subject::Trial;
 use diagnostics::{Diagnostic, Result};
+use records::subject::Trial;
+use records::{CorrectedForce, Motion, Tank};
 use workflow::needs::Maybe;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;

@@ -7,9 +7,9 @@ use plot::Column;
 use si::{Hertz, MILLIBAR};
 
 use super::instruments::{range, scatter};
-use crate::records::{CorrectedForce, Motion, PAPER_MODEL, Relaxation, Tank, Thrust, Validation};
-use crate::subject::{Specimen, Study, Trial};
 use diagnostics::Result;
+use records::subject::{Specimen, Study, Trial};
+use records::{CorrectedForce, Motion, PAPER_MODEL, Relaxation, Tank, Thrust, Validation};
 use signal::step_response::{Pulse, pulses};
 use workflow::needs::Every;
 use workflow::subject::Subject;

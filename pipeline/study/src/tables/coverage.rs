@@ -3,9 +3,9 @@
 use optimize::coverage::HALF_WIDTHS;
 use plot::Column;
 
-use crate::records::{self, Coverage as Counted};
-use crate::subject::Study;
 use diagnostics::Result;
+use records::subject::Study;
+use records::{self, Coverage as Counted};
 use workflow::record::Record;
 use workflow::table::Table;
 

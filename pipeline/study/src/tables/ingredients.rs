@@ -2,9 +2,9 @@
 
 use plot::Column;
 
-use crate::records::{PAPER_MODEL, Validation};
-use crate::subject::{Study, Trial};
 use diagnostics::Result;
+use records::subject::{Study, Trial};
+use records::{PAPER_MODEL, Validation};
 use workflow::needs::Every;
 use workflow::table::Table;
 

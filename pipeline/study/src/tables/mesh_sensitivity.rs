@@ -2,9 +2,9 @@
 
 use plot::Column;
 
-use crate::records::{self, MeshResult};
-use crate::subject::{Specimen, Study};
 use diagnostics::Result;
+use records::subject::{Specimen, Study};
+use records::{self, MeshResult};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;

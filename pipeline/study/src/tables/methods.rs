@@ -4,9 +4,9 @@ use optimize::optimisers;
 use plot::Column;
 
 use crate::figures::order::title;
-use crate::records::{MethodComparison, Search};
-use crate::subject::{Specimen, Study};
 use diagnostics::Result;
+use records::subject::{Specimen, Study};
+use records::{MethodComparison, Search};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;

@@ -15,7 +15,7 @@ mod trials;
 mod validation;
 mod waveform_thrust;
 
-use crate::subject::Study;
+use records::subject::Study;
 use workflow::entry::{Entry, table};
 
 /// Every table.

@@ -4,9 +4,9 @@
 use lab::card::Medium;
 use plot::Column;
 
-use crate::records::{Markers, OmittedCorrection};
-use crate::subject::{Study, Trial};
 use diagnostics::Result;
+use records::subject::{Study, Trial};
+use records::{Markers, OmittedCorrection};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;

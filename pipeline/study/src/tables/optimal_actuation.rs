@@ -5,10 +5,9 @@
 
 use plot::Column;
 
-use crate::records;
-use crate::subject::{Specimen, Study};
 use ::thrust::square_wave_search::{ActuationPoint, Best};
 use diagnostics::Result;
+use records::subject::{Specimen, Study};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;

@@ -4,9 +4,9 @@ use lab::card::{self, Experiment};
 use plot::Column;
 use si::MILLIBAR;
 
-use crate::records::{Identified, Mesh};
-use crate::subject::{Specimen, Study};
 use diagnostics::Result;
+use records::subject::{Specimen, Study};
+use records::{Identified, Mesh};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;

@@ -3,9 +3,9 @@
 use lab::card::Origin;
 use plot::Column;
 
-use crate::records::{Estimate, Recovered};
-use crate::subject::Study;
 use diagnostics::Result;
+use records::subject::Study;
+use records::{Estimate, Recovered};
 use workflow::table::Table;
 
 /// The table.
@@ -79,7 +79,7 @@ fn instruments(all: &Recovered) -> Vec<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::records::Quantity;
+    use records::Quantity;
 
     #[test]
     fn a_modulus_is_set_beside_the_hidden_one_with_sign_and_in_deviations() {

@@ -2,9 +2,9 @@
 
 use plot::Column;
 
-use crate::records::{Scored, Thrust, Transfer};
-use crate::subject::{Specimen, Study};
 use diagnostics::Result;
+use records::subject::{Specimen, Study};
+use records::{Scored, Thrust, Transfer};
 use workflow::needs::{Every, Maybe};
 use workflow::subject::Subject;
 use workflow::table::Table;

@@ -4,9 +4,9 @@ use lab::card::{Experiment, Split};
 use plot::{Alignment, Column};
 use si::MILLIBAR;
 
-use crate::records::Thrust;
-use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
+use records::Thrust;
+use records::subject::{Specimen, Study};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;

@@ -3,9 +3,8 @@
 use plot::Column;
 
 use crate::figures::order::in_order;
-use crate::records;
-use crate::subject::{Study, Trial};
 use diagnostics::Result;
+use records::subject::{Study, Trial};
 use workflow::needs::Every;
 use workflow::table::Table;
 

@@ -4,10 +4,9 @@
 
 use plot::Column;
 
-use crate::records;
-use crate::subject::{Specimen, Study};
 use ::thrust::optimal_waveform::{Flap, OptimalWaveforms};
 use diagnostics::Result;
+use records::subject::{Specimen, Study};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;

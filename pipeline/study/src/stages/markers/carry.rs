@@ -5,8 +5,8 @@ use track::calibrate::CAMERA_PARAMETERS;
 use track::refraction::{ERROR_SOURCES, HEIGHT, INDEX, RefractiveCamera, SURFACE};
 
 use super::no_ray;
-use crate::records::{Covariance2, CovarianceParts, Path};
 use diagnostics::Result;
+use records::{Covariance2, CovarianceParts, Path};
 
 /// Sources of uncertainty.
 pub struct UncertaintySources {

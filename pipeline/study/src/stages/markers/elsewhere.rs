@@ -7,9 +7,9 @@ use serde::Serialize;
 use si::{Metre, Point2, Point3, Second, vec3};
 use track::imported::{self, ImportedTrack, Limits};
 
-use crate::records::{CovarianceParts, Markers, Path};
-use crate::subject::Trial;
 use diagnostics::{Diagnostic, Result};
+use records::subject::Trial;
+use records::{CovarianceParts, Markers, Path};
 use workflow::stage::StageContext;
 
 /// The name of the file in messages.

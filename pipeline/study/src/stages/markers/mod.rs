@@ -15,10 +15,10 @@ use track::refraction::{RefractiveCamera, Water};
 use track::shutter::{self, Shutter};
 use track::video::Film;
 
-use crate::records::{self, Camera, CovarianceParts, FilmPose, OmittedCorrection, Path, Tracks};
-use crate::subject::Trial;
 use carry::{Shared, UncertaintySources};
 use diagnostics::{Diagnostic, Result};
+use records::subject::Trial;
+use records::{self, Camera, CovarianceParts, FilmPose, OmittedCorrection, Path, Tracks};
 use workflow::needs::Maybe;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;

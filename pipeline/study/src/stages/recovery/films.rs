@@ -3,7 +3,7 @@
 use lab::truth::{TrueTrack, TrueTrial};
 use si::{Point2, Second};
 
-use crate::records::{Markers, Motion, Path, Recovered, Tracks};
+use records::{Markers, Motion, Path, Recovered, Tracks};
 use workflow::needs::Every;
 use workflow::subject::Name;
 

@@ -4,7 +4,7 @@ use lab::truth;
 use si::Second;
 
 use super::Virtual;
-use crate::records::{CorrectedForce, LoadCell, Recovered, Tank};
+use records::{CorrectedForce, LoadCell, Recovered, Tank};
 use workflow::needs::Every;
 
 /// Updates the largest errors with those of a specimen's force instruments.

@@ -14,12 +14,12 @@ use si::Second;
 use self::films::{Films, frame_at, judge};
 use self::forces::judge_forces;
 use self::walls::walls;
-use crate::records::{
+use diagnostics::{Diagnostic, Result};
+use records::subject::{Specimen, Study, condition_of};
+use records::{
     Camera, CorrectedForce, Drag, Estimate, Identified, Inflation, Interval, LoadCell, Quantity, REPORTED, Recovered,
     RecoveredSpecimen, Relaxation, Tank, Validation,
 };
-use crate::subject::{Specimen, Study, condition_of};
-use diagnostics::{Diagnostic, Result};
 use sysid::relaxation::dynamic_modulus;
 use workflow::needs::Every;
 use workflow::stage::{RawFile, Stage, StageContext};

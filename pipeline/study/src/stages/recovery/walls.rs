@@ -5,8 +5,8 @@ use mesh::wall::{Walls, buckling_pressure};
 use si::Pascal;
 
 use super::{Virtual, spectrum};
-use crate::records::{Identified, Inflation, WallErrors};
 use diagnostics::Result;
+use records::{Identified, Inflation, WallErrors};
 use workflow::needs::Every;
 use workflow::subject::Name;
 

@@ -13,11 +13,11 @@ use signal::resample::{self, Samples};
 use signal::smooth;
 
 use super::Settings;
-use crate::records::{CorrectedForce, LoadCell, Motion};
-use crate::selections::OfTrials;
-use crate::subject::{Specimen, Trial};
 use ::thrust::{Run, run};
 use diagnostics::{Diagnostic, Result};
+use records::selections::OfTrials;
+use records::subject::{Specimen, Trial};
+use records::{CorrectedForce, LoadCell, Motion};
 use workflow::needs::{Needs, RecordId, RecordReader};
 use workflow::subject::Part;
 
@@ -46,13 +46,13 @@ impl Part<Trial> for TrialCard {
     }
 }
 
-type Pulls = OfTrials<CorrectedForce, crate::selections::Any, TrialCard>;
+type Pulls = OfTrials<CorrectedForce, records::selections::Any, TrialCard>;
 type Motions = OfTrials<Motion, ForceInWater, TrialCard>;
 
 /// Trials with a force log in water.
 struct ForceInWater;
 
-impl crate::selections::Selection for ForceInWater {
+impl records::selections::Selection for ForceInWater {
     fn selects(trial: &Trial) -> bool {
         trial.has_force_in_water()
     }

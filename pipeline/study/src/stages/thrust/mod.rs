@@ -9,13 +9,13 @@ use optimize::network::Training;
 use serde::{Deserialize, Serialize};
 use si::{Hertz, KilogramPerCubicMetre, Second};
 
-use crate::records::{Crosstalk, LoadCell, Means, Mesh, Scored, Thrust as Record, Trace};
 use ::thrust::models::linear::Weighted;
 use ::thrust::outline::Outline;
 use ::thrust::score::score;
 use ::thrust::{Fitted, MODELS, Run, ThrustModel, TrainingSettings, splits};
 use diagnostics::{Diagnostic, Result};
 use gather::{Apparatus, TrialsWithForce};
+use records::{Crosstalk, LoadCell, Means, Mesh, Scored, Thrust as Record, Trace};
 use sysid::Body;
 use workflow::needs::Maybe;
 use workflow::stage::{Stage, StageContext};

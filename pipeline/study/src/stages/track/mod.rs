@@ -12,9 +12,9 @@ use track::klt::{self, Observation, Tracker};
 use track::led;
 use track::video::{DecodedAhead, Frame};
 
-use crate::records::{Path, Tracks};
-use crate::subject::Trial;
 use diagnostics::{Diagnostic, Result};
+use records::subject::Trial;
+use records::{Path, Tracks};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 

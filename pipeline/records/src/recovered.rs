@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use si::{MILLIMETRE, Metre, Pascal};
 
-use crate::records::{Estimate, QuantityKind};
 use crate::subject::Study;
+use crate::{Estimate, QuantityKind};
 use mesh::wall::Walls;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};

@@ -24,7 +24,7 @@ pub struct Four {
 
 impl Four {
     /// In the order of the fields: MPa, GPa and no unit.
-    pub(crate) fn in_display_units(&self) -> [f64; 4] {
+    pub fn in_display_units(&self) -> [f64; 4] {
         [1e-6 * self.body_e_pa, 1e-9 * self.spine_e_pa, self.body_nu, self.spine_nu]
     }
 }
@@ -47,7 +47,7 @@ pub struct FourParameters {
 impl FourParameters {
     /// The 95 % interval of each parameter in the units of [`Four::in_display_units`]. Where it is as wide as the plausible range, the
     /// recordings do not determine the parameter.
-    pub(crate) fn intervals(&self) -> [[f64; 2]; 4] {
+    pub fn intervals(&self) -> [[f64; 2]; 4] {
         let best = self.best.in_display_units();
         let half = |k: usize| WITHIN_95 * self.uncertainty.sigma[k];
         let modulus = |k: usize| [-1.0, 1.0].map(|sign: f64| best[k] * (sign * half(k)).exp());

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use si::{MILLIBAR, Pascal, Second};
 
-use crate::records::{Moduli, Profile};
 use crate::subject::Specimen;
+use crate::{Moduli, Profile};
 use sysid::Certificate;
 use workflow::columns::Columns;
 use workflow::metric::Metric;
@@ -87,19 +87,19 @@ impl Search {
     }
 
     /// The lowest loss among the first simulations, the start included.
-    pub(crate) fn loss_after(&self, simulations: usize) -> f64 {
+    pub fn loss_after(&self, simulations: usize) -> f64 {
         self.tried.iter().take(simulations).map(|t| t.loss).fold(f64::INFINITY, f64::min)
     }
 }
 
 impl MethodComparison {
     /// The search of one method.
-    pub(crate) fn by(&self, method: &str) -> Option<&Search> {
+    pub fn by(&self, method: &str) -> Option<&Search> {
         self.searches.iter().find(|search| search.method == method)
     }
 
     /// Whether the methods were run.
-    pub(crate) fn is_made(&self) -> bool {
+    pub fn is_made(&self) -> bool {
         !self.searches.is_empty()
     }
 }

@@ -1,4 +1,9 @@
-//! The records of the pipeline, one file each, in the order of the data.
+//! The records of the pipeline, one file each, in the order of the data; their subjects, and selections of them.
+//!
+//! A record is what a stage makes and what later stages, figures and tables read. It knows its files, its metrics and its summary, and nothing
+//! of the stage.
+//!
+//! Depends on `si`, `diagnostics`, `lab`, `mesh`, `fem`, `track`, `signal`, `optimize`, `hydro`, `sysid`, `thrust` and `workflow`.
 
 mod calibration;
 mod camera;
@@ -21,6 +26,8 @@ mod recovered;
 mod reduced;
 mod relaxation;
 mod runs;
+pub mod selections;
+pub mod subject;
 mod tank;
 mod thrust;
 mod tracks;
@@ -47,15 +54,15 @@ pub use optimal_actuation::OptimalActuation;
 pub use paths::Path;
 pub use recovered::{Recovered, Specimen as RecoveredSpecimen, WallErrors};
 pub use reduced::Reduced;
-pub(crate) use relaxation::REPORTED;
+pub use relaxation::REPORTED;
 pub use relaxation::Relaxation;
 pub use sysid::estimate::{Estimate, Quantity, QuantityKind};
 pub use sysid::uncertainty::{Profile, Uncertainty};
 pub use sysid::{Covariance2, Level, NoiseModel};
-pub use tank::Tank;
+pub use tank::{Tank, is_still_water};
 pub use tracks::Tracks;
 pub use transfer::{HeldOut, Layout, Transfer};
-pub(crate) use validation::PAPER_MODEL;
+pub use validation::PAPER_MODEL;
 pub use validation::{Interval, ScoredModel, Validation};
 
 /// A file of a record that disagrees with another one, or with itself.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use si::{Metre, ModulusUnit, Pascal, Point3, Second};
 
-use crate::records::Uncertainty;
+use crate::Uncertainty;
 use crate::subject::Specimen;
 use sysid::{Certificate, Discrepancy, Elastic, Level, Model, NoiseModel, SearchDurations};
 use workflow::columns::Columns;
@@ -147,7 +147,7 @@ impl Record for Identified {
 }
 
 /// A modulus in the unit in which it is printed.
-pub(crate) struct DisplayModulus<'a> {
+pub struct DisplayModulus<'a> {
     /// The solid.
     pub solid: &'a str,
     /// The modulus.
@@ -162,21 +162,21 @@ pub(crate) struct DisplayModulus<'a> {
 
 impl Identified {
     /// The identified constants of a model, at the time to which they belong.
-    pub(crate) fn elastic(&self, model: &Model) -> Elastic {
+    pub fn elastic(&self, model: &Model) -> Elastic {
         let Elastic { poissons_ratios, stiffening, .. } = model.nominal.clone();
         let stiffening = self.stiffening.map_or(stiffening, |found| found.ratios);
         Elastic { youngs_moduli: self.best.clone(), poissons_ratios, stiffening }
     }
 
     /// With the levels alone whose pressure is at most this `fraction` of the highest.
-    pub(crate) fn up_to(mut self, fraction: f64) -> Self {
+    pub fn up_to(mut self, fraction: f64) -> Self {
         let top = self.levels.iter().map(Level::pressure).fold(0.0, f64::max);
         self.levels.retain(|level| level.pressure() <= fraction * top);
         self
     }
 
     /// Moduli of the materials with their standard deviations, Pa: without what makes up for the error of the mesh.
-    pub(crate) fn materials(&self) -> impl Iterator<Item = [Pascal; 2]> {
+    pub fn materials(&self) -> impl Iterator<Item = [Pascal; 2]> {
         let correction = |k: usize| self.uncertainty.mesh_correction(k);
         self.best
             .iter()
@@ -186,7 +186,7 @@ impl Identified {
     }
 
     /// The moduli of the materials in the units in which they are printed.
-    pub(crate) fn moduli(&self) -> impl Iterator<Item = DisplayModulus<'_>> {
+    pub fn moduli(&self) -> impl Iterator<Item = DisplayModulus<'_>> {
         self.solids.iter().zip(self.materials()).map(|(solid, [modulus, sigma])| {
             let ModulusUnit { scale, unit } = ModulusUnit::of(modulus);
             DisplayModulus { solid, best: scale * modulus, sigma: scale * sigma, unit, scale }

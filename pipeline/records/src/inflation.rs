@@ -62,7 +62,7 @@ impl Inflation {
     }
 
     /// The pressure at which the slack wall buckles, Pa; none where it hardly dents.
-    pub(crate) fn buckling_pressure(&self) -> Option<Pascal> {
+    pub fn buckling_pressure(&self) -> Option<Pascal> {
         wall::buckling_pressure_of(self.shapes.iter().map(|shape| (shape.pressure(), shape.walls)))
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Metre, Second};
 
-use crate::records::Identified;
+use crate::Identified;
 use crate::subject::Specimen;
 use diagnostics::Result;
 use sysid::relaxation::{IdentifiedBranch, IdentifiedSpectrum, Transient};
@@ -28,14 +28,14 @@ pub struct Relaxation {
 }
 
 /// Frequencies at which storage modulus and loss factor are reported, Hz.
-pub(crate) const REPORTED: [Hertz; 3] = [1.0, 2.0, 8.0];
+pub const REPORTED: [Hertz; 3] = [1.0, 2.0, 8.0];
 
 impl Relaxation {
     /// The constants of a model with this silicone and the moduli of `identified`.
     ///
     /// # Errors
     /// As [`IdentifiedSpectrum::relaxation`].
-    pub(crate) fn silicone(&self, model: &Model, identified: &Identified) -> Result<Viscoelastic> {
+    pub fn silicone(&self, model: &Model, identified: &Identified) -> Result<Viscoelastic> {
         let held = identified.elastic(model);
         Ok(Viscoelastic::measured_at(self.spectrum.modulus_time_s, held, self.spectrum.relaxation()?))
     }

@@ -46,13 +46,13 @@ pub struct FrameData {
 
 impl FrameData {
     /// Walls of the silhouette in the frame under pressure.
-    pub(crate) fn shown(&self) -> Option<Walls> {
+    pub fn shown(&self) -> Option<Walls> {
         let pressure = self.pressures_pa.iter().copied().fold(0.0, f64::max);
         self.walls.iter().find(|(held, _)| *held == pressure).map(|(_, walls)| *walls)
     }
 
     /// The held pressures between which the slack wall buckles, Pa; none where it hardly dents.
-    pub(crate) fn buckling_pressures(&self) -> Option<[Pascal; 2]> {
+    pub fn buckling_pressures(&self) -> Option<[Pascal; 2]> {
         let (pressures, dents): (Vec<Pascal>, Vec<f64>) = self.walls.iter().map(|(p, w)| (*p, w.dent_m)).unzip();
         steepest_rise(&pressures, &dents).map(|i| [pressures[i], pressures[i + 1]])
     }

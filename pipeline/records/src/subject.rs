@@ -39,12 +39,12 @@ impl Trial {
     }
 
     /// Whether it has a force log under water.
-    pub(crate) fn has_force_in_water(&self) -> bool {
+    pub fn has_force_in_water(&self) -> bool {
         self.trial.force.is_some() && self.is_in_water()
     }
 
     /// Whether it was filmed under water.
-    pub(crate) fn is_in_water(&self) -> bool {
+    pub fn is_in_water(&self) -> bool {
         self.trial.medium == card::Medium::Water
     }
 
@@ -64,7 +64,7 @@ impl Trial {
     }
 
     /// The film as a raw file; none where the markers were measured in space and nothing was filmed.
-    pub(crate) fn film(&self) -> Option<RawFile> {
+    pub fn film(&self) -> Option<RawFile> {
         self.trial.video.as_ref().map(|video| RawFile::new("video", &self.card.name, video))
     }
 
@@ -87,12 +87,12 @@ impl Trial {
     }
 
     /// What its repeats have in common, as figures and tables name it.
-    pub(crate) fn condition(&self) -> String {
+    pub fn condition(&self) -> String {
         condition_of(&self.trial.id)
     }
 
     /// Whether it is a validation trial.
-    pub(crate) fn is_for_validation(&self) -> bool {
+    pub fn is_for_validation(&self) -> bool {
         self.trial.role == card::Role::Validate
     }
 }
@@ -143,7 +143,7 @@ impl Specimen {
     }
 
     /// The first of the staircases with the highest level.
-    pub(crate) fn highest_staircase(&self) -> Option<Trial> {
+    pub fn highest_staircase(&self) -> Option<Trial> {
         let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
         self.card.highest_staircase().map(of)
     }
@@ -191,7 +191,7 @@ impl Part<Trial> for Body {
 }
 
 /// What the repeats of a trial have in common: its id without its number, and without "air".
-pub(crate) fn condition_of(id: &str) -> String {
+pub fn condition_of(id: &str) -> String {
     let bare = id.trim_end_matches(|c: char| c.is_ascii_digit());
     let bare = if bare.ends_with('_') { bare.trim_end_matches('_') } else { id };
     bare.strip_suffix("_air").unwrap_or(bare).to_owned()

@@ -1,5 +1,6 @@
 //! The tank: its standing waves, identified in water at rest.
 
+use lab::card::{Fixture, FixtureOf, Medium};
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Metre, Newton};
 use signal::wave::{Evidence, Wave};
@@ -85,10 +86,15 @@ struct One {
 
 impl Tank {
     /// The frequency of the wave in the band of a mode, Hz; none where it does not rise over the noise.
-    pub(crate) fn wave_of(&self, mode: usize) -> Option<Hertz> {
+    pub fn wave_of(&self, mode: usize) -> Option<Hertz> {
         let [low, high] = self.evidence.get(mode)?.band;
         self.waves.iter().map(|wave| wave.frequency).find(|frequency| (low..=high).contains(frequency))
     }
+}
+
+/// Whether a recording shows water at rest: in air nothing can stand.
+pub fn is_still_water(fixture: &Fixture) -> bool {
+    fixture.of == FixtureOf::StillWater && fixture.medium == Medium::Water
 }
 
 impl Record for Tank {
@@ -96,7 +102,7 @@ impl Record for Tank {
     const STAGE: &'static str = "tank";
 
     fn is_made_for(of: &Specimen) -> bool {
-        of.card.fixture.iter().any(crate::stages::tank::is_still_water)
+        of.card.fixture.iter().any(is_still_water)
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {

@@ -41,7 +41,7 @@ pub struct Gauge {
 
 impl Gauge {
     /// Both signals.
-    pub(crate) fn signals(&self) -> signal::step_response::Gauge<'_> {
+    pub fn signals(&self) -> signal::step_response::Gauge<'_> {
         signal::step_response::Gauge { command: &self.command, measured: &self.measured }
     }
 }
@@ -59,10 +59,9 @@ pub struct Clock {
     pub sigma: Second,
 }
 
-#[cfg(test)]
 impl Motion {
     /// One marker without noise, and one chamber whose measured pressure is its command, on one clock.
-    pub(crate) fn of_one_marker(time: Vec<Second>, command: Vec<Pascal>, at: Vec<Point2>) -> Self {
+    pub fn of_one_marker(time: Vec<Second>, command: Vec<Pascal>, at: Vec<Point2>) -> Self {
         let spread = vec![[0.0; 3]; time.len()];
         Self {
             log_time: time.clone(),

@@ -3,7 +3,7 @@
 use optimize::coverage::{HALF_WIDTHS, inside, share_bounds};
 use serde::{Deserialize, Serialize};
 
-use crate::records::QuantityKind;
+use crate::QuantityKind;
 use crate::subject::Study;
 use lab::card::Origin;
 use workflow::metric::Metric;
@@ -28,7 +28,7 @@ pub struct Coverage {
 impl Coverage {
     /// The share inside the intervals of half width `half` deviations, and its bounds as if the estimates of one specimen were one:
     /// they share their recordings.
-    pub(crate) fn share(&self, half: f64, specimens: usize) -> (f64, [f64; 2]) {
+    pub fn share(&self, half: f64, specimens: usize) -> (f64, [f64; 2]) {
         let share = inside(&self.errors, half) as f64 / self.errors.len().max(1) as f64;
         (share, share_bounds(share, specimens))
     }
@@ -45,7 +45,7 @@ pub struct Calibration {
 
 impl Calibration {
     /// All kinds as one.
-    pub(crate) fn all(&self) -> Coverage {
+    pub fn all(&self) -> Coverage {
         let errors = self.kinds.iter().flat_map(|kind| kind.errors.clone()).collect();
         Coverage { name: String::new(), title: "all".into(), errors, sigma: f64::NAN }
     }

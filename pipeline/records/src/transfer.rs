@@ -109,7 +109,7 @@ mod tests {
 
     /// A tail with force measurements and so many markers.
     fn tail(name: &str, markers: usize) -> Specimen {
-        let text = include_str!("../../tests/card.toml");
+        let text = include_str!("../../study/tests/card.toml");
         let mut card: Card = lab::card::parse(text, std::path::Path::new("card.toml")).unwrap();
         card.name = name.into();
         card.marker = std::iter::repeat_n(card.marker[0].clone(), markers).collect();

@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Second};
 
-use crate::records::Drag;
+use crate::Drag;
 use crate::subject::{Specimen, Trial};
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
 /// The paper's own model: elastic, without damping and without the force of water, by implicit Euler.
-pub(crate) const PAPER_MODEL: &str = "paper_model";
+pub const PAPER_MODEL: &str = "paper_model";
 
 /// A prediction of the motion, and its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -109,7 +109,7 @@ impl Validation {
     }
 
     /// The error in per cent of the specimen's length.
-    pub(crate) fn rmse_percent(&self) -> f64 {
+    pub fn rmse_percent(&self) -> f64 {
         100.0 * self.rmse / self.length
     }
 

@@ -77,7 +77,7 @@ impl Mesh {
     }
 
     /// The skin index of each chamber, in the order of the card.
-    pub(crate) fn skins(&self) -> Vec<u16> {
+    pub fn skins(&self) -> Vec<u16> {
         self.chambers.iter().map(|c| c.skin).collect()
     }
 }
