@@ -45,6 +45,9 @@ pub struct LoadRamp<'a> {
     pub forces: [&'a [Newton]; 2],
 }
 
+/// Sets the load of a solver at a place of a path, and returns its pressures (Pa).
+type SetLoad<'a> = dyn Fn(&mut Solver, f64) -> Result<Vec<Pascal>, SolveError> + 'a;
+
 impl Solver {
     /// The equilibrium under `pressures` (one per chamber, Pa), from the shapes `known` on the way to it (3 entries per node, m), each with
     /// its sum of pressures (Pa); no two are the same. On the way pressures are in the same proportion; the shape at rest is a good first one.
@@ -94,13 +97,12 @@ impl Solver {
         self.follow((known, 1.0), first, &load, settings)
     }
 
-    /// The equilibrium at the place `end` of a path, whose first step is a fraction of the way there; `load` sets the load at a place and
-    /// returns its pressures (Pa).
+    /// The equilibrium at the place `end` of a path, whose first step is a fraction of the way there.
     fn follow(
         &mut self,
         (known, end): (&[(f64, &[Metre])], f64),
         first: f64,
-        load: &dyn Fn(&mut Self, f64) -> Result<Vec<Pascal>, SolveError>,
+        load: &SetLoad,
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
         let recent = &known[known.len().saturating_sub(THROUGH)..];
