@@ -9,7 +9,7 @@ use si::{Hertz, Metre, Newton, Pascal};
 
 use crate::Run;
 use crate::waveform::{Valve, Waveform};
-use crate::waveform_thrust::{Cycle, Goal, Performance, WaveformModel};
+use crate::waveform_thrust::{Cycle, Goal, Optimum, Performance, WaveformModel};
 use diagnostics::{Diagnostic, Result};
 
 /// Amplitudes and frequencies of the sweep.
@@ -97,7 +97,6 @@ impl WaveformModel<'_> {
                 Ok((waveform, cycle))
             })
             .collect::<Result<_>>()?;
-        let goals = [Goal::Thrust, Goal::ThrustPerAir];
         Ok(OptimalWaveforms {
             valve: self.valve,
             recorded: self.recorded_flap(recorded)?,
@@ -105,7 +104,7 @@ impl WaveformModel<'_> {
                 .iter()
                 .map(|(waveform, cycle)| self.flap_performance(waveform.frequency(&self.limits), cycle))
                 .collect(),
-            optima: goals.into_par_iter().map(|goal| self.goal_optimum(goal, &sweep)).collect::<Result<_>>()?,
+            optima: self.goal_optima(&sweep)?,
         })
     }
 
@@ -119,21 +118,32 @@ impl WaveformModel<'_> {
             .collect()
     }
 
-    fn goal_optimum(&self, goal: Goal, sweep: &[(Waveform, Cycle)]) -> Result<OptimalWaveform> {
-        let value = |cycle: &Cycle| goal.value(&cycle.performance);
-        let (start, square) = sweep.iter().max_by(|(_, a), (_, b)| value(a).total_cmp(&value(b))).ok_or_else(|| {
-            Diagnostic::new(
-                "no square wave was swept",
-                "the sweep has no points",
-                "report this as an error of the program",
-            )
-        })?;
-        let optimum = self.maximise(goal, start)?;
+    /// The optimum of each goal: the end of an ascent from its best square wave; where the end of the other goal's ascent has a greater value,
+    /// that of an ascent from there. No ascent is global.
+    fn goal_optima(&self, sweep: &[(Waveform, Cycle)]) -> Result<Vec<OptimalWaveform>> {
+        let goals = [Goal::Thrust, Goal::ThrustPerAir];
+        let squares: Vec<&(Waveform, Cycle)> =
+            goals.iter().map(|goal| best_square(*goal, sweep)).collect::<Result<_>>()?;
+        let ascents: Vec<Optimum> =
+            (0..2).into_par_iter().map(|k| self.maximise(goals[k], &squares[k].0)).collect::<Result<_>>()?;
+        let optimum = |k: usize| {
+            let (goal, own_optimum, other_optimum) = (goals[k], &ascents[k], &ascents[1 - k]);
+            if goal.value(&other_optimum.performance) > goal.value(&own_optimum.performance) {
+                self.maximise(goal, &other_optimum.waveform)
+            } else {
+                Ok(own_optimum.clone())
+            }
+        };
+        (0..2).into_par_iter().map(|k| self.compared(goals[k], squares[k], optimum(k)?)).collect()
+    }
+
+    /// An optimum beside the best square wave.
+    fn compared(&self, goal: Goal, (square, cycle): &(Waveform, Cycle), optimum: Optimum) -> Result<OptimalWaveform> {
         let flap_under = |waveform: &Waveform, cycle: &Cycle| {
             self.named_flap(goal.goal_name(), waveform.frequency(&self.limits), cycle)
         };
         Ok(OptimalWaveform {
-            square: flap_under(start, square),
+            square: flap_under(square, cycle),
             flap: flap_under(&optimum.waveform, &self.last_cycle(&optimum.waveform)?),
             values: optimum.values,
         })
@@ -160,4 +170,11 @@ impl WaveformModel<'_> {
         let highest_pa = cycle.pressures.iter().flatten().copied().fold(0.0, f64::max);
         Performed { highest_pa, frequency_hz, thrust_n: thrust, air_m3_s: air, amplitude_m: amplitude }
     }
+}
+
+fn best_square(goal: Goal, sweep: &[(Waveform, Cycle)]) -> Result<&(Waveform, Cycle)> {
+    let value = |cycle: &Cycle| goal.value(&cycle.performance);
+    sweep.iter().max_by(|(_, a), (_, b)| value(a).total_cmp(&value(b))).ok_or_else(|| {
+        Diagnostic::new("no square wave was swept", "the sweep has no points", "report this as an error of the program")
+    })
 }
