@@ -49,8 +49,8 @@ impl Actuation<'_> {
     pub fn sampled(&self, steps: &[Second], path: &[Point2]) -> Result<[Samples; 2]> {
         let times: Vec<Second> = std::iter::once(&0.0).chain(steps).map(|t| self.begin + t).collect();
         let axis = |k: usize| {
-            let at = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
-            Samples::new(times.clone(), at).map_err(Diagnostic::from)
+            let values = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
+            Samples::new(times.clone(), values).map_err(Diagnostic::from)
         };
         Ok([axis(0)?, axis(1)?])
     }
@@ -80,12 +80,12 @@ impl MotionSimulation<'_> {
     pub fn whole(&self, settings: &DynamicSettings, actuation: &Actuation) -> Result<[Samples; 2]> {
         let mut solver = self.model.system.solver();
         self.silicone.apply(&mut solver)?;
-        let rest = State::rest(self.model.system.mesh().nodes.len());
+        let initial = State::rest(self.model.system.mesh().nodes.len());
         let (spot, mut path) = (&self.model.markers[self.marker], Vec::new());
         let mut observe = |_: Second, state: &State| path.push(Model::in_plane(spot, &state.displacement));
         let times = actuation.times(settings.step);
         solver.integrate(
-            &InitialValueProblem { settings, initial: &rest, pressures: &|t| actuation.pressures(t) },
+            &InitialValueProblem { settings, initial: &initial, pressures: &|t| actuation.pressures(t) },
             times.len(),
             &mut observe,
         )?;
@@ -119,12 +119,13 @@ pub fn onto([x, y]: &[Samples; 2], times: &[Second]) -> Vec<Point2> {
 pub fn lag(time: &[Second], measured: &[Point2], simulated: &[Point2], frequency: si::Hertz) -> Second {
     let turn = std::f64::consts::TAU * frequency;
     let phase = |path: &[Point2]| {
-        let part = |by: fn(f64) -> f64| time.iter().zip(path).map(|(t, p)| p[1] * by(turn * t)).sum::<f64>();
+        let part =
+            |harmonic: fn(f64) -> f64| time.iter().zip(path).map(|(t, p)| p[1] * harmonic(turn * t)).sum::<f64>();
         part(f64::sin).atan2(part(f64::cos))
     };
-    let behind = phase(simulated) - phase(measured);
+    let phase_lag = phase(simulated) - phase(measured);
     let half = std::f64::consts::PI;
-    ((behind + half).rem_euclid(2.0 * half) - half) / turn
+    ((phase_lag + half).rem_euclid(2.0 * half) - half) / turn
 }
 
 #[cfg(test)]

@@ -96,15 +96,15 @@ impl CertifiedSearch {
             let mut reduced = whole.train_reduced()?;
             reduced.correct_markers(&elastic, self.derivatives, &levels)?;
             let search_began = Instant::now();
-            let found;
-            (elastic, found) = search(&mut reduced)?;
+            let search_result;
+            (elastic, search_result) = search(&mut reduced)?;
             durations.search += search_began.elapsed().as_secs_f64();
             let sigma;
             (levels, sigma) = certify_end((whole, &mut reduced), &elastic, (self.derivatives, self.discrepancy))?;
             let certificate = Certificate { sigma, rounds, whole_equilibria: (rounds + 1) * levels.len() };
             if certificate.holds() || rounds == ROUNDS {
                 durations.training = began.elapsed().as_secs_f64() - durations.search;
-                return Ok(Certified { elastic, found, levels, certificate, durations });
+                return Ok(Certified { elastic, found: search_result, levels, certificate, durations });
             }
         }
     }
@@ -128,9 +128,9 @@ pub(crate) fn certify_end(
 /// The largest difference of two displacements of a marker at one level, over its deviation.
 fn largest_difference(measured: &PressureLevel, (a, b): (&SimulatedLevel, &SimulatedLevel), discrepancy: Metre) -> f64 {
     let standardised = |a: &Point2, b: &Point2, variances: [f64; 2]| {
-        let along = |axis: usize| (a[axis] - b[axis]).abs() / variances[axis].sqrt().hypot(discrepancy);
-        along(0).max(along(1))
+        let component = |axis: usize| (a[axis] - b[axis]).abs() / variances[axis].sqrt().hypot(discrepancy);
+        component(0).max(component(1))
     };
     let markers = a.markers.iter().zip(&b.markers).zip(&measured.covariance);
-    markers.map(|((a, b), by)| standardised(a, b, [by[0], by[2]])).fold(0.0, f64::max)
+    markers.map(|((a, b), covariance)| standardised(a, b, [covariance[0], covariance[2]])).fold(0.0, f64::max)
 }

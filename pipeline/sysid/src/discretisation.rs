@@ -12,19 +12,23 @@ use crate::misfit::Misfit;
 use crate::model::Elastic;
 use diagnostics::{Diagnostic, Result};
 
-/// By how much displacements on a mesh (`found`, levels × markers, m) differ from those at the same parameters on the mesh of `finer`, which
+/// By how much the `displacements` on a mesh (levels × markers, m) differ from those at the same parameters on the mesh of `finer`, which
 /// solves the same levels.
 ///
 /// # Errors
 /// A [`Diagnostic`] when the finer mesh has no equilibrium at a level.
 // Every level is solved for: the buckle of a thin wall amplifies the error, which is 0.4 % of the angle below it and 2 % beyond, so that an
 // error of the lowest level, scaled with the displacement, says little of the others.
-pub fn mesh_error(finer: &mut LevelSolver, elastic: &Elastic, found: &[Vec<Point2>]) -> Result<Vec<Vec<Point2>>> {
+pub fn mesh_error(
+    finer: &mut LevelSolver,
+    elastic: &Elastic,
+    displacements: &[Vec<Point2>],
+) -> Result<Vec<Vec<Point2>>> {
     let finer = finer.solve(elastic, Derivatives::None)?;
-    let difference = |(here, finer): (&Point2, &Point2)| [0, 1].map(|k| here[k] - finer[k]);
+    let difference = |(coarse, finer): (&Point2, &Point2)| [0, 1].map(|k| coarse[k] - finer[k]);
     // length: both have the levels of one misfit and the markers of one card
-    let levels = found.iter().zip(&finer);
-    Ok(levels.map(|(here, finer)| here.iter().zip(&finer.markers).map(difference).collect()).collect())
+    let levels = displacements.iter().zip(&finer);
+    Ok(levels.map(|(coarse, finer)| coarse.iter().zip(&finer.markers).map(difference).collect()).collect())
 }
 
 /// What a finer mesh says about the one that identifies.

@@ -64,16 +64,21 @@ impl IdentifiedMaterials {
         for (i, law) in self.law.iter().enumerate() {
             let key = format!("law.{i}");
             if law.name.is_empty() || self.law[..i].iter().any(|other| other.name == law.name) {
-                let what = format!("the law `{}` has no name of its own", law.name);
-                return violation(&format!("{key}.name"), what, "a page names its law", "give each law its own name");
+                let message = format!("the law `{}` has no name of its own", law.name);
+                return violation(
+                    &format!("{key}.name"),
+                    message,
+                    "a page names its law",
+                    "give each law its own name",
+                );
             }
             law.check(&key)?;
         }
         match self.law.iter().any(|law| law.name == self.supported) {
             true => Ok(()),
             false => {
-                let what = format!("there is no law `{}`", self.supported);
-                violation("supported", what, "it is the name of one of the laws", "name one of the laws")
+                let message = format!("there is no law `{}`", self.supported);
+                violation("supported", message, "it is the name of one of the laws", "name one of the laws")
             }
         }
     }
@@ -85,9 +90,9 @@ impl IdentifiedMaterials {
     pub fn law(&self, name: Option<&str>) -> Result<&IdentifiedMaterial> {
         let name = name.unwrap_or(&self.supported);
         self.law.iter().find(|law| law.name == name).ok_or_else(|| {
-            let known: Vec<&str> = self.law.iter().map(|law| law.name.as_str()).collect();
-            let why = format!("fitted laws: {}", known.join(", "));
-            Diagnostic::new(format!("there is no fitted law `{name}`"), why, "correct `law` on the page")
+            let names: Vec<&str> = self.law.iter().map(|law| law.name.as_str()).collect();
+            let reason = format!("fitted laws: {}", names.join(", "));
+            Diagnostic::new(format!("there is no fitted law `{name}`"), reason, "correct `law` on the page")
         })
     }
 }

@@ -36,14 +36,14 @@ pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, judge: &dyn Fn(
         values
     };
     let (x, y) = (axis(0), axis(1));
-    let (across, up) = (spread(&x, fine), spread(&y, fine));
+    let (across, up) = (even_points(&x, fine), even_points(&y, fine));
     let mut judged = Vec::with_capacity(fine * fine);
     for &v in &up {
-        let wy = lagrange(&y, v);
+        let wy = lagrange_weights(&y, v);
         for &u in &across {
-            let wx = lagrange(&x, u);
-            let weight = |at: &[f64]| wx[place(&x, at[0])] * wy[place(&y, at[1])];
-            judged.push(judge(&blend(points, &weight)));
+            let wx = lagrange_weights(&x, u);
+            let weight = |point: &[f64]| wx[node_index(&x, point[0])] * wy[node_index(&y, point[1])];
+            judged.push(judge(&weighted_sum(points, &weight)));
         }
     }
     let kinds = judged.first().map_or(0, Vec::len);
@@ -52,18 +52,18 @@ pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, judge: &dyn Fn(
 
 /// Values at the places of a fine grid, `up` × `across`, linear between those of a coarse one (`y` × `x`, NaN where there is none).
 pub fn linear((x, y): (&[f64], &[f64]), value: &dyn Fn(f64, f64) -> f64, (across, up): (&[f64], &[f64])) -> Vec<f64> {
-    let at = |axis: &[f64], t: f64| {
+    let brackets = |axis: &[f64], t: f64| {
         let i = axis.partition_point(|&v| v < t).clamp(1, axis.len() - 1);
         let (low, high) = (axis[i - 1], axis[i]);
         let part = ((t - low) / (high - low)).clamp(0.0, 1.0);
         [(low, 1.0 - part), (high, part)].into_iter().filter(|(_, part)| *part > 0.0).collect::<Vec<_>>()
     };
-    let between = |u: f64, v: f64| {
-        let (columns, rows) = (at(x, u), at(y, v));
-        let each = rows.iter().flat_map(|&(y, q)| columns.iter().map(move |&(x, p)| (x, y, p * q)));
-        each.map(|(x, y, part)| part * value(x, y)).sum()
+    let interpolated = |u: f64, v: f64| {
+        let (columns, rows) = (brackets(x, u), brackets(y, v));
+        let corners = rows.iter().flat_map(|&(y, q)| columns.iter().map(move |&(x, p)| (x, y, p * q)));
+        corners.map(|(x, y, part)| part * value(x, y)).sum()
     };
-    up.iter().flat_map(|&v| across.iter().map(move |&u| (u, v))).map(|(u, v)| between(u, v)).collect()
+    up.iter().flat_map(|&v| across.iter().map(move |&u| (u, v))).map(|(u, v)| interpolated(u, v)).collect()
 }
 
 /// One place of the grid: both logarithms, and the displacements there (levels × markers).
@@ -73,46 +73,46 @@ pub type Place = (Vec<f64>, Vec<Vec<Point2>>);
 /// row's others. None where a row lacks more than one of its points, or has fewer than three left.
 pub fn completed(points: &[(&[f64], &[Vec<Point2>])], across: &[f64], up: &[f64]) -> Option<Vec<Place>> {
     let row = |v: f64| points.iter().copied().filter(|p| p.0[1] == v).collect::<Vec<_>>();
-    let at = |u: f64, v: f64| -> Option<Place> {
+    let completed_point = |u: f64, v: f64| -> Option<Place> {
         let row = row(v);
-        if let Some(here) = row.iter().find(|p| p.0[0] == u) {
-            return Some((here.0.to_vec(), here.1.to_vec()));
+        if let Some(sample) = row.iter().find(|p| p.0[0] == u) {
+            return Some((sample.0.to_vec(), sample.1.to_vec()));
         }
         let nodes: Vec<f64> = row.iter().map(|p| p.0[0]).collect();
-        let weights = lagrange(&nodes, u);
-        let weight = |at: &[f64]| weights[place(&nodes, at[0])];
-        (nodes.len() >= LEAST && nodes.len() + 1 == across.len()).then(|| (vec![u, v], blend(&row, &weight)))
+        let weights = lagrange_weights(&nodes, u);
+        let weight = |point: &[f64]| weights[node_index(&nodes, point[0])];
+        (nodes.len() >= LEAST && nodes.len() + 1 == across.len()).then(|| (vec![u, v], weighted_sum(&row, &weight)))
     };
-    up.iter().flat_map(|&v| across.iter().map(move |&u| (u, v))).map(|(u, v)| at(u, v)).collect()
+    up.iter().flat_map(|&v| across.iter().map(move |&u| (u, v))).map(|(u, v)| completed_point(u, v)).collect()
 }
 
 /// Least number of points of a row for an extrapolation.
 const LEAST: usize = 3;
 
-fn spread(axis: &[f64], count: usize) -> Vec<f64> {
+fn even_points(axis: &[f64], count: usize) -> Vec<f64> {
     let (low, high) = (axis[0], axis[axis.len() - 1]);
     (0..count).map(|i| low + (high - low) * i as f64 / (count - 1).max(1) as f64).collect()
 }
 
-fn place(axis: &[f64], value: f64) -> usize {
+fn node_index(axis: &[f64], value: f64) -> usize {
     axis.iter().position(|&v| v == value).unwrap_or(0)
 }
 
 /// Values at `t` of the polynomials that are one at one node and zero at the others.
-fn lagrange(nodes: &[f64], t: f64) -> Vec<f64> {
-    let one = |i: usize| {
-        let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
-        others.map(|(_, &n)| (t - n) / (nodes[i] - n)).product()
+fn lagrange_weights(nodes: &[f64], t: f64) -> Vec<f64> {
+    let basis = |i: usize| {
+        let other_nodes = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+        other_nodes.map(|(_, &n)| (t - n) / (nodes[i] - n)).product()
     };
-    (0..nodes.len()).map(one).collect()
+    (0..nodes.len()).map(basis).collect()
 }
 
-fn blend(points: &[(&[f64], &[Vec<Point2>])], weight: &dyn Fn(&[f64]) -> f64) -> Vec<Vec<Point2>> {
+fn weighted_sum(points: &[(&[f64], &[Vec<Point2>])], weight: &dyn Fn(&[f64]) -> f64) -> Vec<Vec<Point2>> {
     let mut sum: Vec<Vec<Point2>> = points[0].1.iter().map(|level| vec![[0.0; 2]; level.len()]).collect();
-    for (at, levels) in points {
-        let w = weight(at);
-        for (into, level) in sum.iter_mut().zip(*levels) {
-            for (p, q) in into.iter_mut().zip(level) {
+    for (point, levels) in points {
+        let w = weight(point);
+        for (sum_level, level) in sum.iter_mut().zip(*levels) {
+            for (p, q) in sum_level.iter_mut().zip(level) {
                 *p = [p[0] + w * q[0], p[1] + w * q[1]];
             }
         }
@@ -124,9 +124,9 @@ fn blend(points: &[(&[f64], &[Vec<Point2>])], weight: &dyn Fn(&[f64]) -> f64) ->
 /// grid points gives several.
 pub fn lowest_points(columns: usize, loss: &[f64]) -> usize {
     let rows = loss.len() / columns.max(1);
-    let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
+    let neighbours = |index: usize, len: usize| index.saturating_sub(1)..(index + 2).min(len);
     let lowest = |row: usize, column: usize| {
-        let mut cells = around(row, rows).flat_map(|r| around(column, columns).map(move |c| (r, c)));
+        let mut cells = neighbours(row, rows).flat_map(|r| neighbours(column, columns).map(move |c| (r, c)));
         cells.all(|(r, c)| (r, c) == (row, column) || loss[r * columns + c] > loss[row * columns + column])
     };
     (0..rows).map(|row| (0..columns).filter(|&column| lowest(row, column)).count()).sum()

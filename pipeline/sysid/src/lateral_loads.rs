@@ -25,32 +25,32 @@ pub(crate) fn pull(model: &Model, elastic: &Elastic, load: Lateral) -> Result<Ve
     let system = &model.system;
     let far = system.mesh().nodes.iter().map(|n| n[0]).fold(f64::MIN, f64::max);
     let mut forces = vec![0.0; 3 * system.mesh().nodes.len()];
-    let by = match load {
+    let weights = match load {
         Lateral::Inertia => system.node_masses().to_vec(),
-        Lateral::Water => plate(system.mesh()).unwrap_or_else(|| system.node_masses().to_vec()),
+        Lateral::Water => plate_volumes(system.mesh()).unwrap_or_else(|| system.node_masses().to_vec()),
     };
-    for (i, (node, by)) in system.mesh().nodes.iter().zip(&by).enumerate() {
-        forces[3 * i + 1] = by * (node[0].max(0.0) / far).powi(2);
+    for (i, (node, weight)) in system.mesh().nodes.iter().zip(&weights).enumerate() {
+        forces[3 * i + 1] = weight * (node[0].max(0.0) / far).powi(2);
     }
     let mut solver = model.solver(elastic)?;
-    let rest = vec![0.0; system.mesh().chambers.len()];
-    let rest = solver.equilibrium(&rest, None, &StaticSettings::default())?;
-    solver.assemble(&rest)?;
-    solver.factorise(&rest)?;
-    let moved = solver.solve(&forces)?;
-    let most = moved.iter().skip(1).step_by(3).fold(0.0, |most: f64, y| most.max(y.abs()));
-    forces.iter_mut().for_each(|f| *f /= most);
+    let ambient = vec![0.0; system.mesh().chambers.len()];
+    let undeformed = solver.equilibrium(&ambient, None, &StaticSettings::default())?;
+    solver.assemble(&undeformed)?;
+    solver.factorise(&undeformed)?;
+    let displacement = solver.solve(&forces)?;
+    let largest = displacement.iter().skip(1).step_by(3).fold(0.0, |largest: f64, y| largest.max(y.abs()));
+    forces.iter_mut().for_each(|f| *f /= largest);
     Ok(forces)
 }
 
 /// Of the solids beside the body, the volume around each node, m³: of a plate of one thickness the area, but for a factor; none of a body alone.
-fn plate(mesh: &fem::Mesh) -> Option<Vec<f64>> {
-    let mut around = vec![0.0; mesh.nodes.len()];
+fn plate_volumes(mesh: &fem::Mesh) -> Option<Vec<f64>> {
+    let mut node_volumes = vec![0.0; mesh.nodes.len()];
     for element in (0..mesh.elements.len()).filter(|&e| mesh.regions[e] != BODY as u16) {
         let nodes = mesh.elements.nodes(element);
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| mesh.nodes[nodes[k] as usize]);
         let volume = vec3::dot(vec3::sub(b, a), vec3::cross(vec3::sub(c, a), vec3::sub(d, a))).abs() / 6.0;
-        nodes.iter().for_each(|&node| around[node as usize] += volume / nodes.len() as f64);
+        nodes.iter().for_each(|&node| node_volumes[node as usize] += volume / nodes.len() as f64);
     }
-    around.iter().any(|volume| *volume > 0.0).then_some(around)
+    node_volumes.iter().any(|volume| *volume > 0.0).then_some(node_volumes)
 }

@@ -56,25 +56,25 @@ pub(crate) struct Beginning<'a> {
 
 impl<'a> Beginning<'a> {
     /// At an equilibrium of which none before is known.
-    pub fn at(from: &'a KnownShape) -> Self {
-        Self { load: &from.load, known: vec![(0.0, &from.shape)] }
+    pub fn at(equilibrium: &'a KnownShape) -> Self {
+        Self { load: &equilibrium.load, known: vec![(0.0, &equilibrium.shape)] }
     }
 
     /// At the last of the equilibria of one body `below` the end of its path, by rising pressure; none where there is none. Those before it count
     /// in the extrapolation: from the last shape alone, first steps beyond a buckle failed.
-    pub fn on_the_way(below: &[&'a KnownShape], to: &Load) -> Option<Self> {
+    pub fn on_the_way(below: &[&'a KnownShape], target: &Load) -> Option<Self> {
         let load = &below.last()?.load;
-        let begin = load.part_of(to);
-        let part = |of: &Load| (of.part_of(to) - begin) / (1.0 - begin);
-        Some(Self { load, known: below.iter().map(|known| (part(&known.load), known.shape.as_slice())).collect() })
+        let begin = load.part_of(target);
+        let part = |load: &Load| (load.part_of(target) - begin) / (1.0 - begin);
+        Some(Self { load, known: below.iter().map(|shape| (part(&shape.load), shape.shape.as_slice())).collect() })
     }
 
     /// Length of the step that led here, as a part of the path.
     pub fn last_step(&self) -> Option<f64> {
-        self.known.len().checked_sub(2).map(|before| -self.known[before].0)
+        self.known.len().checked_sub(2).map(|previous| -self.known[previous].0)
     }
 
-    fn shape(&self) -> &'a [f64] {
+    fn initial_shape(&self) -> &'a [f64] {
         self.known.last().map_or(&[], |(_, shape)| shape)
     }
 }
@@ -118,12 +118,12 @@ impl LoadPath<'_> {
             let target = if reached + step > 1.0 - shortest { 1.0 } else { reached + step };
             let iterations = if step > shortest { settings.max_iterations } else { SNAPPING };
             let settings = StaticSettings { max_iterations: iterations, ..*settings };
-            match self.equilibrium(target, &points, solver, &settings) {
+            match self.equilibrium_at(target, &points, solver, &settings) {
                 Ok(end) if target == 1.0 => return (points, Ok(end)),
                 Ok(EquilibriumShape { unknowns, factorisations }) => {
-                    step = (step * growth(factorisations)).clamp(shortest, longest);
+                    step = (step * step_growth(factorisations)).clamp(shortest, longest);
                     reached = target;
-                    points.push(Point { part: target, load: self.load(target), shape: unknowns });
+                    points.push(Point { part: target, load: self.load_at(target), shape: unknowns });
                 }
                 Err(_) if step > shortest => step = (0.5 * step).max(shortest),
                 Err(cause) => return (points, Err(cause)),
@@ -132,45 +132,45 @@ impl LoadPath<'_> {
     }
 
     /// The equilibrium at `part` of the path.
-    fn equilibrium(
+    fn equilibrium_at(
         &self,
         part: f64,
         points: &[Point],
         solver: &mut dyn Statics,
         settings: &StaticSettings,
     ) -> Result<EquilibriumShape> {
-        let pressures = self.set(part, solver)?;
-        let nearby = points.last().map_or(self.from.shape(), |last| &last.shape);
+        let pressures = self.apply_constants(part, solver)?;
+        let nearby = points.last().map_or(self.from.initial_shape(), |last| &last.shape);
         let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(TOLERANCE) };
         let settings = StaticSettings { tolerance, ..*settings };
-        solver.equilibrium_near(&pressures, nearby, &self.extrapolated(part, points), &settings)
+        solver.equilibrium_near(&pressures, nearby, &self.extrapolated_shape(part, points), &settings)
     }
 
-    fn load(&self, part: f64) -> Load {
+    fn load_at(&self, part: f64) -> Load {
         self.from.load.towards(self.to, part)
     }
 
     /// Sets the constants at `part` of the path in `solver` and returns the pressures there, Pa.
-    fn set(&self, part: f64, solver: &mut dyn Statics) -> Result<Vec<Pascal>> {
+    fn apply_constants(&self, part: f64, solver: &mut dyn Statics) -> Result<Vec<Pascal>> {
         if part == 1.0 {
             solver.set_constants(self.elastic)?;
             return Ok(self.pressures.to_vec());
         }
         let constants = |load: &Load| load.constants(self.elastic.youngs_moduli[BODY], self.unit);
-        let ((pressure, elastic), (whole, _)) = (constants(&self.load(part)), constants(self.to));
+        let ((pressure, elastic), (top_pressure, _)) = (constants(&self.load_at(part)), constants(self.to));
         solver.set_constants(&elastic)?;
-        Ok(self.pressures.iter().map(|at_the_end| pressure / whole * at_the_end).collect())
+        Ok(self.pressures.iter().map(|at_the_end| pressure / top_pressure * at_the_end).collect())
     }
 
     /// The polynomial through the last three equilibria, of which the beginning of the path may be one, at `part`.
-    fn extrapolated(&self, part: f64, points: &[Point]) -> Vec<f64> {
+    fn extrapolated_shape(&self, part: f64, points: &[Point]) -> Vec<f64> {
         let points = points.iter().map(|point| (point.part, point.shape.as_slice()));
         extrapolated(&self.from.known.iter().copied().chain(points).collect::<Vec<_>>(), part)
     }
 }
 
 /// Factor of the next step after one with this many factorisations.
-fn growth(factorisations: usize) -> f64 {
+fn step_growth(factorisations: usize) -> f64 {
     match factorisations {
         ..=EASY => LONGER,
         HARD.. => 0.6,
@@ -207,7 +207,7 @@ mod tests {
         let (one, to) = (known(8e3), known(1.2e4));
         let on_the_way = Beginning::on_the_way(&[&one], &to.load).expect("one is below");
         assert_eq!([on_the_way.last_step(), Beginning::at(&one).last_step()], [None, None]);
-        assert_eq!(Beginning::at(&one).shape(), one.shape);
+        assert_eq!(Beginning::at(&one).initial_shape(), one.shape);
         assert!(Beginning::on_the_way(&[], &to.load).is_none());
     }
 }

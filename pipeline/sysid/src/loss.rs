@@ -52,9 +52,9 @@ pub struct SearchResult {
 
 impl Loss<'_> {
     /// The elastic constants at a point.
-    pub fn elastic(&self, at: &[f64]) -> Elastic {
+    pub fn elastic(&self, point: &[f64]) -> Elastic {
         let mut elastic = self.model.nominal.clone();
-        elastic.youngs_moduli.iter_mut().zip(at).for_each(|(modulus, by)| *modulus *= by.exp());
+        elastic.youngs_moduli.iter_mut().zip(point).for_each(|(modulus, log_ratio)| *modulus *= log_ratio.exp());
         elastic
     }
 
@@ -108,9 +108,9 @@ impl Loss<'_> {
         let mut evaluated = Vec::new();
         let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Interrupted> {
             let mut answers: Vec<Option<Evaluation>> = vec![None; batch.len()];
-            let known: Vec<Vec<f64>> = evaluated.iter().map(|e: &Evaluated| e.at.clone()).collect();
-            let known = if known.is_empty() { vec![search.start().to_vec()] } else { known };
-            for i in spanning_order(batch, &known) {
+            let earlier: Vec<Vec<f64>> = evaluated.iter().map(|e: &Evaluated| e.at.clone()).collect();
+            let earlier = if earlier.is_empty() { vec![search.start().to_vec()] } else { earlier };
+            for i in spanning_order(batch, &earlier) {
                 let evaluation = self.evaluate(solver, &batch[i], needs, &mut evaluated).map_err(Interrupted)?;
                 answers[i] = Some(evaluation);
             }
@@ -127,7 +127,7 @@ impl Loss<'_> {
     pub fn evaluate(
         &self,
         solver: &mut LevelSolver,
-        at: &[f64],
+        point: &[f64],
         needs: Needs,
         evaluated: &mut Vec<Evaluated>,
     ) -> Result<Evaluation> {
@@ -136,25 +136,25 @@ impl Loss<'_> {
             Needs::Gradient => Derivatives::Gradient,
             Needs::Residuals => Derivatives::Sensitivities,
         };
-        let elastic = self.elastic(at);
+        let elastic = self.elastic(point);
         let levels = match solver.solve(&elastic, want) {
             // Without an equilibrium the loss is infinite: population and line searches then reject the point by themselves.
-            Err(_) if had_evaluation(evaluated, want) => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
+            Err(_) if had_evaluation(evaluated, want) => return Ok(Evaluation::of_loss(point.to_vec(), f64::INFINITY)),
             levels => levels?,
         };
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let loss = self.misfit.loss(&markers);
         let critical = (self.gauge)(&self.misfit.levels, &levels);
-        evaluated.push(Evaluated { at: at.to_vec(), markers, critical });
+        evaluated.push(Evaluated { at: point.to_vec(), markers, critical });
         let moduli = &elastic.youngs_moduli;
         let residuals =
             (want == Derivatives::Sensitivities).then(|| self.misfit.residuals(&levels, moduli)).transpose()?;
-        let gradient = (want == Derivatives::Gradient).then(|| self.gradient(&levels, moduli));
-        Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals })
+        let gradient = (want == Derivatives::Gradient).then(|| self.loss_gradient(&levels, moduli));
+        Ok(Evaluation { at: point.to_vec(), loss, gradient, residuals })
     }
 
     /// ∂loss/∂ln E.
-    fn gradient(&self, levels: &[SimulatedLevel], moduli: &[Pascal]) -> Vec<f64> {
+    fn loss_gradient(&self, levels: &[SimulatedLevel], moduli: &[Pascal]) -> Vec<f64> {
         let sum = |k: usize| levels.iter().map(|l| l.gradient[k]).sum::<f64>();
         moduli.iter().enumerate().map(|(k, modulus)| sum(k) * modulus / self.body.length).collect()
     }

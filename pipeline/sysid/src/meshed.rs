@@ -52,15 +52,15 @@ impl Meshed {
     /// A [`Diagnostic`] when they cannot be meshed.
     pub fn of_surfaces(
         (body, spine): (&Surface, Option<&Surface>),
-        by: &Settings,
+        settings: &Settings,
         elements: ElementChoice,
         order: &[NamedRegion],
     ) -> Result<Self> {
         let mesh::Chosen { mut solid, report, not_hexahedra, not_columns } =
-            mesh::mesh_chosen(body, spine, by, elements)?;
-        let place = |name: &str| order.iter().position(|one| one.solid == name).unwrap_or(0) as u16;
-        let places = [place(card::BODY), place(card::SPINE)];
-        solid.regions.iter_mut().for_each(|region| *region = places[usize::from(*region)]);
+            mesh::mesh_chosen(body, spine, settings, elements)?;
+        let number = |name: &str| order.iter().position(|region| region.solid == name).unwrap_or(0) as u16;
+        let region_numbers = [number(card::BODY), number(card::SPINE)];
+        solid.regions.iter_mut().for_each(|region| *region = region_numbers[usize::from(*region)]);
         let error = |mesh: f64, stl: f64| mesh / stl - 1.0;
         let body = error(report.volume_body, report.volume_body_stl);
         let sheet = spine.map(|_| error(report.volume_spine, report.volume_spine_stl));
@@ -71,7 +71,7 @@ impl Meshed {
             min_dihedral_deg: report.min_dihedral_deg,
             hausdorff_m: report.hausdorff_m,
             volume_error: std::iter::once(body).chain(sheet).collect(),
-            not_hexahedra: not_hexahedra.or(not_columns).map(|why| Diagnostic::from(why).to_string()),
+            not_hexahedra: not_hexahedra.or(not_columns).map(|refusal| Diagnostic::from(refusal).to_string()),
         })
     }
 
@@ -85,15 +85,15 @@ impl Meshed {
         unit: Metre,
         solids: &[NamedRegion],
     ) -> Result<Self> {
-        let made = foreign::read(file, bytes, nodes)?.check(unit, false)?;
-        let numbers = numbers(&made.regions, solids)?;
-        let linear = made.solid.clone().to_linear();
-        let mut solid = made.solid.to_quadratic();
+        let checked = foreign::read(file, bytes, nodes)?.check(unit, false)?;
+        let numbers = solid_numbers(&checked.regions, solids)?;
+        let linear = checked.solid.clone().to_linear();
+        let mut solid = checked.solid.to_quadratic();
         solid.regions.iter_mut().for_each(|region| *region = numbers[usize::from(*region)]);
         Ok(Self {
-            cavities: made.cavities,
+            cavities: checked.cavities,
             solid,
-            surfaces: made.surfaces,
+            surfaces: checked.surfaces,
             min_dihedral_deg: quality::dihedral_range(&linear).0,
             hausdorff_m: 0.0,
             volume_error: Vec::new(),
@@ -103,15 +103,15 @@ impl Meshed {
 }
 
 impl Meshed {
-    /// The skin index of the chamber `name`, which holds a point `at` (m).
+    /// The skin index of the chamber `name`, which holds `point` (m).
     ///
     /// # Errors
     /// A [`Diagnostic`] with the centres of all cavities, when none holds the point.
-    pub fn chamber(&self, name: &str, at: Point3) -> Result<u16> {
-        let centres = || self.cavities.iter().map(|c| millimetres(c.centroid)).collect::<Vec<_>>().join("; ");
-        mesh::chamber_at(&self.solid, at).ok_or_else(|| {
+    pub fn chamber(&self, name: &str, point: Point3) -> Result<u16> {
+        let centres = || self.cavities.iter().map(|c| format_millimetres(c.centroid)).collect::<Vec<_>>().join("; ");
+        mesh::chamber_at(&self.solid, point).ok_or_else(|| {
             Diagnostic::new(
-                format!("chamber `{name}` is not where the card says, at {}", millimetres(at)),
+                format!("chamber `{name}` is not where the card says, at {}", format_millimetres(point)),
                 format!("the body has {} closed cavities and none holds that point", self.cavities.len()),
                 format!("give a point inside one; their centres are {}", centres()),
             )
@@ -128,11 +128,11 @@ impl Meshed {
         limit: Metre,
     ) -> Result<(Vec<Spot>, Metre)> {
         let (mut spots, mut worst) = (Vec::new(), 0.0_f64);
-        for (name, at) in markers {
-            let (spot, distance) = mesh::embed(&self.solid, at);
+        for (name, position) in markers {
+            let (spot, distance) = mesh::embed(&self.solid, position);
             if distance > limit {
                 return Err(Diagnostic::new(
-                    format!("marker `{name}` at {} is not on the skin", millimetres(at)),
+                    format!("marker `{name}` at {} is not on the skin", format_millimetres(position)),
                     format!(
                         "it lies {:.2} mm off; the limit is {:.2} mm (study.toml, [mesh] marker_distance_limit)",
                         1e3 * distance,
@@ -155,48 +155,48 @@ impl Meshed {
         let named = foreign::surface(&self.surfaces, surface)?;
         let nodes = named.nodes(self.solid.elements.iter());
         if nodes.is_empty() {
-            let what = format!("the surface `{surface}` has no face of the body");
+            let message = format!("the surface `{surface}` has no face of the body");
             let action = "make the faces of the body that are clamped a physical surface, and save the mesh again";
-            return Err(Diagnostic::new(what, "none of its triangles is a side of an element", action));
+            return Err(Diagnostic::new(message, "none of its triangles is a side of an element", action));
         }
         Ok(nodes)
     }
 }
 
-fn millimetres(at: Point3) -> String {
-    format!("({:.2}, {:.2}, {:.2}) mm", 1e3 * at[0], 1e3 * at[1], 1e3 * at[2])
+fn format_millimetres(point: Point3) -> String {
+    format!("({:.2}, {:.2}, {:.2}) mm", 1e3 * point[0], 1e3 * point[1], 1e3 * point[2])
 }
 
 /// The place of each region of a file among the solids, of which each must have one.
-fn numbers(regions: &[Region], solids: &[NamedRegion]) -> Result<Vec<u16>> {
+fn solid_numbers(regions: &[Region], solids: &[NamedRegion]) -> Result<Vec<u16>> {
     let called = |region: &Region, word: &str| region.name.as_deref() == Some(word) || region.tag.to_string() == word;
-    let known = || regions.iter().map(word).collect::<Vec<_>>().join(", ");
-    for named in solids {
-        if !regions.iter().any(|region| called(region, &named.region)) {
-            let what = format!("the mesh has no region `{}` for solid.{}", named.region, named.solid);
+    let region_names = || regions.iter().map(region_label).collect::<Vec<_>>().join(", ");
+    for solid in solids {
+        if !regions.iter().any(|region| called(region, &solid.region)) {
+            let message = format!("the mesh has no region `{}` for solid.{}", solid.region, solid.solid);
             return Err(Diagnostic::new(
-                what,
-                format!("its regions are {}", known()),
+                message,
+                format!("its regions are {}", region_names()),
                 "correct region of the solid on the card",
             ));
         }
     }
-    let place = |region: &Region| {
+    let solid_number = |region: &Region| {
         let mine: Vec<usize> = (0..solids.len()).filter(|&k| called(region, &solids[k].region)).collect();
         match mine.as_slice() {
-            [one] => Ok(*one as u16),
-            found => Err(Diagnostic::new(
-                format!("{} solids on the card belong to region {} of the mesh", found.len(), word(region)),
-                format!("every region has one material; its regions are {}", known()),
+            [solid] => Ok(*solid as u16),
+            several => Err(Diagnostic::new(
+                format!("{} solids on the card belong to region {} of the mesh", several.len(), region_label(region)),
+                format!("every region has one material; its regions are {}", region_names()),
                 "give each region one [solid.NAME] with region = its name or tag",
             )),
         }
     };
-    regions.iter().map(place).collect()
+    regions.iter().map(solid_number).collect()
 }
 
 /// A region as the file calls it.
-fn word(region: &Region) -> String {
+fn region_label(region: &Region) -> String {
     match &region.name {
         Some(name) => format!("`{name}` ({})", region.tag),
         None => region.tag.to_string(),
@@ -218,15 +218,15 @@ mod tests {
     #[test]
     fn regions_are_found_by_name_or_tag_in_the_order_of_the_solids() {
         let regions = [region(3, Some("plate")), region(7, None)];
-        assert_eq!(numbers(&regions, &[solid("rubber", "7"), solid("sheet", "plate")]).unwrap(), [1, 0]);
+        assert_eq!(solid_numbers(&regions, &[solid("rubber", "7"), solid("sheet", "plate")]).unwrap(), [1, 0]);
     }
 
     #[test]
     fn a_region_without_a_solid_and_a_solid_without_a_region_are_refused() {
         let regions = [region(3, Some("plate")), region(7, None)];
-        let one = numbers(&regions, &[solid("sheet", "plate")]).unwrap_err();
+        let one = solid_numbers(&regions, &[solid("sheet", "plate")]).unwrap_err();
         assert!(one.what.contains("0 solids on the card belong to region 7"), "{one}");
-        let other = numbers(&regions, &[solid("sheet", "plate"), solid("rubber", "9")]).unwrap_err();
+        let other = solid_numbers(&regions, &[solid("sheet", "plate"), solid("rubber", "9")]).unwrap_err();
         assert!(other.what.contains("no region `9`") && other.why.contains("`plate` (3), 7"), "{other}");
     }
 }

@@ -25,11 +25,11 @@ pub(crate) fn entry(id: &str, value: Option<f64>, unit: &str) -> Value {
 /// A [`Diagnostic`] when the file cannot be written, or is there and holds no list: entries of other bodies would be lost.
 pub(crate) fn replace(folder: &Path, name: &str, entries: Vec<Value>) -> Result<()> {
     let path = folder.join("metrics.json");
-    let own = format!("real.{name}.");
-    let mut all = entries_of(&path)?;
-    all.retain(|entry| !entry["id"].as_str().is_some_and(|id| id.starts_with(&own)));
-    all.extend(entries);
-    let text = Value::Array(all).to_string() + "\n";
+    let prefix = format!("real.{name}.");
+    let mut metrics = entries_of(&path)?;
+    metrics.retain(|entry| !entry["id"].as_str().is_some_and(|id| id.starts_with(&prefix)));
+    metrics.extend(entries);
+    let text = Value::Array(metrics).to_string() + "\n";
     std::fs::write(&path, text).map_err(|e| Diagnostic::io(&path, e, "name another folder with --out"))
 }
 

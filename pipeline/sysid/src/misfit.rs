@@ -31,7 +31,7 @@ impl Misfit {
     /// # Errors
     /// A [`Diagnostic`] when the covariance of a film is not positive definite.
     pub fn new(levels: Vec<PressureLevel>, films: &[usize], noise: &NoiseModel, length: Metre) -> Result<Self> {
-        let whitening = whitening(&levels, films, |film| covariance(film, noise))?;
+        let whitening = film_whitening(&levels, films, |film| film_covariance(film, noise))?;
         Ok(Self { levels, films: films.to_vec(), whitening, length, discrepancy: noise.discrepancy_m })
     }
 
@@ -45,7 +45,7 @@ impl Misfit {
     /// # Errors
     /// A [`Diagnostic`] when it is not positive definite.
     pub(crate) fn under(&self, covariance: impl Fn(&[PressureLevel]) -> Vec<f64>) -> Result<Whitening> {
-        whitening(&self.levels, &self.films, covariance)
+        film_whitening(&self.levels, &self.films, covariance)
     }
 
     /// Residuals of the levels in m, from those that this misfit has whitened; the rows of a prior after them are left out.
@@ -118,24 +118,24 @@ impl Misfit {
 }
 
 /// From the covariance of each film.
-fn whitening(
+fn film_whitening(
     levels: &[PressureLevel],
     films: &[usize],
-    of: impl Fn(&[PressureLevel]) -> Vec<f64>,
+    covariance: impl Fn(&[PressureLevel]) -> Vec<f64>,
 ) -> Result<Whitening> {
     let mut first = 0;
     let blocks = films.iter().map(|&count| {
         first += count;
-        of(&levels[first - count..first])
+        covariance(&levels[first - count..first])
     });
     Ok(Whitening::new(&blocks.collect::<Vec<_>>())?)
 }
 
 /// Of one film's displacements, row after row: levels × markers × 2.
-fn covariance(film: &[PressureLevel], noise: &NoiseModel) -> Vec<f64> {
-    let moved: Vec<f64> = film.iter().flat_map(|r| r.measured.iter().flat_map(|p| *p)).collect();
+fn film_covariance(film: &[PressureLevel], noise: &NoiseModel) -> Vec<f64> {
+    let displacements: Vec<f64> = film.iter().flat_map(|r| r.measured.iter().flat_map(|p| *p)).collect();
     let covariance: Vec<[f64; 3]> = film.iter().flat_map(|r| r.covariance.iter().copied()).collect();
-    let own = |i: usize, j: usize| match (i / 2 == j / 2, i % 2, j % 2) {
+    let marker_covariance = |i: usize, j: usize| match (i / 2 == j / 2, i % 2, j % 2) {
         (false, ..) => 0.0,
         (_, 0, 0) => covariance[i / 2][0] + noise.discrepancy_m.powi(2),
         (_, 1, 1) => covariance[i / 2][2] + noise.discrepancy_m.powi(2),
@@ -143,8 +143,12 @@ fn covariance(film: &[PressureLevel], noise: &NoiseModel) -> Vec<f64> {
     };
     // The common scale adds a rank-one term over the whole film. Without it, independent noise of many markers would claim far smaller
     // uncertainties than errors of wall thickness and supply pressure allow.
-    let entry = |i: usize, j: usize| own(i, j) + noise.scale_sigma.powi(2) * moved[i] * moved[j];
-    (0..moved.len()).flat_map(|i| (0..moved.len()).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect()
+    let entry =
+        |i: usize, j: usize| marker_covariance(i, j) + noise.scale_sigma.powi(2) * displacements[i] * displacements[j];
+    (0..displacements.len())
+        .flat_map(|i| (0..displacements.len()).map(move |j| (i, j)))
+        .map(|(i, j)| entry(i, j))
+        .collect()
 }
 
 #[cfg(test)]

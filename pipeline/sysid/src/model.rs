@@ -112,9 +112,9 @@ impl Model {
     /// A [`Diagnostic`] when a material is unknown or the simulator refuses the mesh.
     pub fn new(solid: &Solid, attached: Attached<'_>, markers: Vec<Spot>, body: &Body) -> Result<Self> {
         let mesh = simulate::fem_mesh(solid, attached.chambers);
-        let regions = body.materials.iter().map(region).collect::<Result<_>>()?;
-        let size = extent(solid.nodes());
-        let mut clamps = Clamps::where_nodes(&mesh, [true; 3], |at| body.clamp.holds(at, size));
+        let regions = body.materials.iter().map(region_properties).collect::<Result<_>>()?;
+        let size = longest_side(solid.nodes());
+        let mut clamps = Clamps::where_nodes(&mesh, [true; 3], |node| body.clamp.holds(node, size));
         attached.clamped.iter().for_each(|node| clamps.constrain(*node, [true; 3]));
         let soft = body.materials.first().map_or(1.0, |first| first.youngs_modulus);
         let contact = Some(Contact { range: CONTACT_RANGE * size, pressure: CONTACT_PRESSURE * soft });
@@ -131,7 +131,7 @@ impl Model {
     ///
     /// A marker beside its nominal position moves with the material at its actual position.
     pub fn with_markers_at(self, mesh: &QuadraticMesh, body: &Body, rest: &[Point2]) -> Self {
-        let spot = |(marker, at): (&Point3, &Point2)| mesh::embed(mesh, [at[0], at[1], marker[2]]).0;
+        let spot = |(marker, position): (&Point3, &Point2)| mesh::embed(mesh, [position[0], position[1], marker[2]]).0;
         Self { markers: body.markers.iter().zip(rest).map(spot).collect(), ..self }
     }
 
@@ -159,20 +159,20 @@ pub fn by_node(displacement: &[f64]) -> Vec<Point3> {
 }
 
 /// The longest side of the box around nodes, m.
-fn extent(nodes: &[Point3]) -> Metre {
+fn longest_side(nodes: &[Point3]) -> Metre {
     let side = |k: usize| {
-        let along = || nodes.iter().map(|at| at[k]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        let coordinates = || nodes.iter().map(|node| node[k]);
+        coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min)
     };
     (0..3).map(side).fold(0.0, f64::max)
 }
 
-fn region(material: &Material) -> Result<RegionProperties> {
+fn region_properties(material: &Material) -> Result<RegionProperties> {
     let law = fem::materials::by_name(&material.law).ok_or_else(|| {
-        let known: Vec<&str> = fem::materials::ALL.iter().map(|m| m.name()).collect();
+        let names: Vec<&str> = fem::materials::ALL.iter().map(|m| m.name()).collect();
         Diagnostic::new(
             format!("the card gives solid.{} the material `{}`", material.name, material.law),
-            format!("known materials: {}", known.join(", ")),
+            format!("known materials: {}", names.join(", ")),
             "correct the card",
         )
     })?;

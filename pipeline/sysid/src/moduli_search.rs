@@ -77,9 +77,9 @@ impl ModuliSearch {
             },
         };
         progress("in the whole body");
-        let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
-        let (elastic, (moduli, problem, stiffened)) = self.search_with(loss, nominal, &mut whole)?;
-        let levels = whole.solve(&elastic, Derivatives::None)?;
+        let mut full_solver = loss.solver(self.static_tolerance, self.parallel_solves);
+        let (elastic, (moduli, problem, stiffened)) = self.search_with(loss, nominal, &mut full_solver)?;
+        let levels = full_solver.solve(&elastic, Derivatives::None)?;
         Ok(Minimum {
             moduli,
             problem,
@@ -95,11 +95,11 @@ impl ModuliSearch {
             true => Derivatives::StiffeningSensitivities,
             false => Derivatives::Sensitivities,
         };
-        let by = CertifiedSearch::new(loss.model.nominal.clone(), derivatives, &loss.misfit);
-        let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
+        let certified_search = CertifiedSearch::new(loss.model.nominal.clone(), derivatives, &loss.misfit);
+        let mut full_solver = loss.solver(self.static_tolerance, self.parallel_solves);
         let round = |number: usize| progress(&format!("in a reduced model, round {number}"));
         let Certified { found: (moduli, problem, stiffened), levels, certificate, durations, .. } =
-            by.run(&mut whole, &mut |solver| self.search_with(loss, nominal, solver), &round)?;
+            certified_search.run(&mut full_solver, &mut |solver| self.search_with(loss, nominal, solver), &round)?;
         Ok(Minimum { moduli, problem, stiffened, levels, certificate: Ok(certificate), durations })
     }
 
@@ -111,17 +111,17 @@ impl ModuliSearch {
         let mut stiffened = None;
         if loss.is_stiffening() {
             // the stiffening decides how soft a body has an equilibrium
-            let together = StiffeningProblem {
+            let joint_problem = StiffeningProblem {
                 model: &loss.model,
                 misfit: &loss.misfit,
                 moduli: &problem,
                 prior_sigma: loss.body.materials[BODY].stiffening_sigma.unwrap_or(self.stiffening_sigma),
                 method: self.method.clone(),
             };
-            let found = together.identify(solver, &|_| ())?;
-            loss.model.nominal.stiffening = found.ratios;
-            problem = loss.problem_from(bounds.clamp(&found.at[..problem.names().len()]), bounds)?;
-            stiffened = Some(found);
+            let joint_fit = joint_problem.identify(solver, &|_| ())?;
+            loss.model.nominal.stiffening = joint_fit.ratios;
+            problem = loss.problem_from(bounds.clamp(&joint_fit.at[..problem.names().len()]), bounds)?;
+            stiffened = Some(joint_fit);
         } else {
             bounds.low[0] = feasible_lower_bound(solver, &loss.model.nominal, &bounds)?;
             problem = loss.problem(bounds)?;

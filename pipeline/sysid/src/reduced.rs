@@ -47,9 +47,9 @@ impl ReducedBody {
     /// A [`Diagnostic`] when the data are of another mesh.
     pub fn of(model: &Model, silicone: &Viscoelastic, data: &ReducedModelData) -> Result<Self> {
         let reduced = Arc::new(model.system.restore(data)?);
-        let rows = model.markers.iter().map(|spot| rows(&reduced, spot)).collect();
-        let made = Self { reduced, scale: Vec::new(), relaxation: Vec::new(), stiffening: Vec::new(), rows };
-        Ok(made.with(model, silicone))
+        let rows = model.markers.iter().map(|spot| marker_rows(&reduced, spot)).collect();
+        let unscaled = Self { reduced, scale: Vec::new(), relaxation: Vec::new(), stiffening: Vec::new(), rows };
+        Ok(unscaled.with(model, silicone))
     }
 
     /// Displacement of a marker in the plane (m) after each step of a motion.
@@ -58,28 +58,28 @@ impl ReducedBody {
     /// A [`Diagnostic`] when a step finds no motion.
     // By its twin, where there is one: the same equations to the same tolerance in a third to a fifth of the time.
     pub fn integrate(&self, motion: &ForcedMotion, marker: usize) -> Result<Vec<Point2>> {
-        let along = |row: &[f64], q: &DVector<f64>| row.iter().zip(q.as_slice()).map(|(r, q)| r * q).sum::<f64>();
-        let place = |q: &DVector<f64>| self.rows[marker].each_ref().map(|row| along(row, q));
+        let projection = |row: &[f64], q: &DVector<f64>| row.iter().zip(q.as_slice()).map(|(r, q)| r * q).sum::<f64>();
+        let position = |q: &DVector<f64>| self.rows[marker].each_ref().map(|row| projection(row, q));
         // A twin takes whole steps. Where a wall buckles none may be found, and the line search of the reduced model finds one.
         if motion.suits_a_twin()
             && self.has_twin()
             && let Ok(states) = motion.twin_states(self.twin_data(&[])?)
         {
-            return Ok(states.iter().map(|(q, _)| place(q)).collect());
+            return Ok(states.iter().map(|(q, _)| position(q)).collect());
         }
         let mut path = Vec::with_capacity(motion.times.len());
-        self.integrate_in_fluid(motion, &mut NoForce, &mut |q, _| path.push(place(q)))?;
+        self.integrate_in_fluid(motion, &mut NoForce, &mut |q, _| path.push(position(q)))?;
         Ok(path)
     }
 
-    /// Integrates a motion under the external force `around`; `see` receives each new q and q̇.
+    /// Integrates a motion under the `external_force`; `see` receives each new q and q̇.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
     pub fn integrate_in_fluid(
         &self,
         motion: &ForcedMotion,
-        around: &mut dyn ExternalForce,
+        external_force: &mut dyn ExternalForce,
         see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
     ) -> Result<()> {
         let actuation = |t: Second| Actuation { pressures: (motion.pressures)(t) };
@@ -91,7 +91,7 @@ impl ReducedBody {
             actuation: &actuation,
         };
         let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
-        self.reduced.integrate_at(&reduced, around, motion.times, &mut shown).map_err(Diagnostic::from)
+        self.reduced.integrate_at(&reduced, external_force, motion.times, &mut shown).map_err(Diagnostic::from)
     }
 
     /// Displacement of the markers along x and y by each coordinate, m: (markers × 2) × coordinates, in the order of `markers`.
@@ -106,18 +106,18 @@ impl ReducedBody {
 
     /// By region: the factor of its moduli, its relaxation, its ratios of stiffening.
     pub fn constants(&self) -> impl Iterator<Item = (f64, &Relaxation, [f64; 2])> {
-        let all = self.scale.iter().zip(&self.relaxation).zip(&self.stiffening);
-        all.map(|((scale, relaxation), stiffening)| (*scale, relaxation, *stiffening))
+        let constants = self.scale.iter().zip(&self.relaxation).zip(&self.stiffening);
+        constants.map(|((scale, relaxation), stiffening)| (*scale, relaxation, *stiffening))
     }
 
     /// The same reduced model with other constants of the silicone; `model` is the one that was reduced.
     #[must_use]
     pub fn with(&self, model: &Model, silicone: &Viscoelastic) -> Self {
-        let made = model.system.regions();
-        let scale = made.iter().zip(&silicone.elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
-        let mut relaxation = vec![Relaxation::default(); made.len()];
+        let regions = model.system.regions();
+        let scale = regions.iter().zip(&silicone.elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
+        let mut relaxation = vec![Relaxation::default(); regions.len()];
         relaxation[BODY] = silicone.relaxation.clone();
-        let mut stiffening: Vec<[f64; 2]> = made.iter().map(|region| region.stiffening).collect();
+        let mut stiffening: Vec<[f64; 2]> = regions.iter().map(|region| region.stiffening).collect();
         stiffening[BODY] = silicone.elastic.stiffening;
         Self { reduced: Arc::clone(&self.reduced), scale, relaxation, stiffening, rows: self.rows.clone() }
     }
@@ -133,12 +133,12 @@ impl ReducedBody {
     }
 }
 
-fn rows(reduced: &ReducedModel, spot: &mesh::Spot) -> [Vec<f64>; 2] {
+fn marker_rows(reduced: &ReducedModel, spot: &mesh::Spot) -> [Vec<f64>; 2] {
     [0, 1].map(|axis| {
         let mut row = vec![0.0; reduced.coordinates()];
         for &(node, weight) in &spot.weights {
-            let here = reduced.row(3 * node as usize + axis);
-            row.iter_mut().zip(here).for_each(|(sum, part)| *sum += weight * part);
+            let node_row = reduced.row(3 * node as usize + axis);
+            row.iter_mut().zip(node_row).for_each(|(sum, part)| *sum += weight * part);
         }
         row
     })

@@ -7,10 +7,10 @@ pub(crate) fn mean(points: &[Vector3<f64>]) -> Vector3<f64> {
     points.iter().sum::<Vector3<f64>>() / points.len() as f64
 }
 
-/// The rotation of least squares that takes the points `from` to the points `to`, both about their means [kabsch1976].
-pub(crate) fn rotation(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Matrix3<f64> {
-    let (a, b) = (mean(from), mean(to));
-    let spread: Matrix3<f64> = from.iter().zip(to).map(|(s, w)| (w - b) * (s - a).transpose()).sum();
+/// The rotation of least squares that takes the points `reference` to the points `target`, both about their means [kabsch1976].
+pub(crate) fn rotation(reference: &[Vector3<f64>], target: &[Vector3<f64>]) -> Matrix3<f64> {
+    let (a, b) = (mean(reference), mean(target));
+    let spread: Matrix3<f64> = reference.iter().zip(target).map(|(s, w)| (w - b) * (s - a).transpose()).sum();
     let svd = spread.svd(true, true);
     let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
     // a rotation, not a reflection

@@ -23,12 +23,12 @@ impl From<OptimiseError> for Interrupted {
 pub(crate) fn spanning_order(points: &[Vec<f64>], known: &[Vec<f64>]) -> Vec<usize> {
     let distance = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum() };
     let nearest = |point: &[f64]| known.iter().map(|k| distance(point, k)).fold(f64::INFINITY, f64::min);
-    let mut left: Vec<(usize, f64)> = points.iter().map(|point| nearest(point)).enumerate().collect();
+    let mut remaining: Vec<(usize, f64)> = points.iter().map(|point| nearest(point)).enumerate().collect();
     let mut order = Vec::with_capacity(points.len());
-    while let Some(next) = (0..left.len()).min_by(|&a, &b| left[a].1.total_cmp(&left[b].1)) {
-        let (here, _) = left.remove(next);
-        left.iter_mut().for_each(|(other, away)| *away = away.min(distance(&points[*other], &points[here])));
-        order.push(here);
+    while let Some(next) = (0..remaining.len()).min_by(|&a, &b| remaining[a].1.total_cmp(&remaining[b].1)) {
+        let (selected, _) = remaining.remove(next);
+        remaining.iter_mut().for_each(|(point, away)| *away = away.min(distance(&points[*point], &points[selected])));
+        order.push(selected);
     }
     order
 }
@@ -43,9 +43,9 @@ pub(crate) fn spanning_order(points: &[Vec<f64>], known: &[Vec<f64>]) -> Vec<usi
 /// As [`LevelSolver::follow_paths`].
 pub fn feasible_lower_bound(solver: &mut LevelSolver, elastic: &Elastic, bounds: &Bounds) -> Result<f64> {
     let (low, high) = (bounds.low[0], bounds.high[0]);
-    let here = (elastic.youngs_moduli[BODY] / solver.model().nominal.youngs_moduli[BODY]).ln();
-    let reached = solver.follow_paths(elastic, (here - low).exp())?;
-    let lowest = here - reached.ln();
+    let log_modulus = (elastic.youngs_moduli[BODY] / solver.model().nominal.youngs_moduli[BODY]).ln();
+    let reached = solver.follow_paths(elastic, (log_modulus - low).exp())?;
+    let lowest = log_modulus - reached.ln();
     // without an equilibrium in the whole range, the first evaluation names the level that has none
     Ok(if lowest < high { lowest.clamp(low, (high - LEAST_RANGE).max(low)) } else { low })
 }

@@ -29,14 +29,14 @@ impl Stations {
         order.sort_by(|&a, &b| markers[a][0].total_cmp(&markers[b][0]));
         let marks: Vec<Metre> = order.iter().map(|&i| markers[i][0]).collect();
         let line = CentreLine::new(clamp, &marks).filter(|_| clamp.is_finite())?;
-        let at = line.stations(APART);
-        Some(Self { line, order, at, reach: REACH * (marks.last()? - clamp) })
+        let stations = line.stations(APART);
+        Some(Self { line, order, at: stations, reach: REACH * (marks.last()? - clamp) })
     }
 
-    /// With the card's markers displaced by `moved` (m), and the outline at `edge` along a normal, searched so far.
-    pub fn silhouette(&self, moved: &[Point2], edge: impl Fn(Normal, Metre) -> Option<Metre>) -> Silhouette {
-        let moved: Vec<Point2> = self.order.iter().map(|&i| moved[i]).collect();
-        let normals: Vec<Normal> = self.at.iter().map(|a| self.line.normal(*a, &moved)).collect();
+    /// With the card's markers displaced by `displacements` (m), and the outline at `edge` along a normal, searched so far.
+    pub fn silhouette(&self, displacements: &[Point2], edge: impl Fn(Normal, Metre) -> Option<Metre>) -> Silhouette {
+        let sorted: Vec<Point2> = self.order.iter().map(|&i| displacements[i]).collect();
+        let normals: Vec<Normal> = self.at.iter().map(|a| self.line.normal(*a, &sorted)).collect();
         Silhouette::across(&normals, |normal| edge(normal, self.reach))
     }
 
@@ -47,17 +47,22 @@ impl Stations {
         nodes: &[Point3],
         eye: Point3,
     ) -> (Silhouette, Vec<Point2>) {
-        let whole = Surfaces::whole(solid, nodes);
-        let outer = [Bounds::Body, Bounds::Sheet].iter().filter_map(|b| whole.faces.get(b)).flatten().copied();
-        let projected = Projected::new(&whole.points, outer, eye);
-        let by = |now: Point3, rest: Point3| [now[0] - rest[0], now[1] - rest[1]];
-        let moved: Vec<Point2> = markers.iter().map(|m| by(m.at(nodes), m.at(&solid.nodes))).collect();
-        (self.silhouette(&moved, |normal, reach| projected.edge(normal, reach)), moved)
+        let surfaces = Surfaces::whole(solid, nodes);
+        let outer = [Bounds::Body, Bounds::Sheet].iter().filter_map(|b| surfaces.faces.get(b)).flatten().copied();
+        let projected = Projected::new(&surfaces.points, outer, eye);
+        let displacement = |moved: Point3, initial: Point3| [moved[0] - initial[0], moved[1] - initial[1]];
+        let displacements: Vec<Point2> =
+            markers.iter().map(|m| displacement(m.at(nodes), m.at(&solid.nodes))).collect();
+        (self.silhouette(&displacements, |normal, reach| projected.edge(normal, reach)), displacements)
     }
 
     /// Dent and bulge against the silhouette at rest; the tail bends away from its filled side.
-    pub fn walls(&self, (now, moved): &(Silhouette, Vec<Point2>), rest: &Silhouette) -> Option<Walls> {
-        now.walls(rest, &self.at, moved[*self.order.last()?][1] < 0.0)
+    pub fn walls(
+        &self,
+        (deformed, displacements): &(Silhouette, Vec<Point2>),
+        undeformed: &Silhouette,
+    ) -> Option<Walls> {
+        deformed.walls(undeformed, &self.at, displacements[*self.order.last()?][1] < 0.0)
     }
 }
 

@@ -37,11 +37,11 @@ struct TrainingShape {
 }
 
 impl TrainingShape {
-    fn undirected(displacement: Vec<f64>) -> Self {
+    fn without_directions(displacement: Vec<f64>) -> Self {
         Self { displacement, directions: Vec::new() }
     }
 
-    fn snapshot(&self) -> Snapshot<'_> {
+    fn to_snapshot(&self) -> Snapshot<'_> {
         Snapshot { displacement: &self.displacement, regions: &[], changes: &self.directions }
     }
 }
@@ -86,106 +86,121 @@ impl Snapshots<'_> {
         let Self { model, elastic, top, .. } = *self;
         let [inertia, water] = [Lateral::Inertia, Lateral::Water].map(|load| pull(model, elastic, load));
         let (inertia, water) = (inertia?, water?);
-        let filled: Vec<Vec<TrainingShape>> =
-            (0..top.len()).into_par_iter().map(|k| self.solve(k, [&inertia, &water])).collect::<Result<_>>()?;
-        let bends: Vec<f64> =
-            filled.iter().map(|shapes| shapes.last().map_or(0.0, |last| bend(&last.displacement, &inertia))).collect();
+        let filled: Vec<Vec<TrainingShape>> = (0..top.len())
+            .into_par_iter()
+            .map(|k| self.inflate_chamber(k, [&inertia, &water]))
+            .collect::<Result<_>>()?;
+        let bends: Vec<f64> = filled
+            .iter()
+            .map(|shapes| shapes.last().map_or(0.0, |last| bending_side(&last.displacement, &inertia)))
+            .collect();
         let load = |wish: &Wish| if wish.load == Lateral::Water { &water } else { &inertia };
-        let find = |wish: &Wish| self.shape(wish, nearest(&filled, top, &wish.pressures), load(wish));
-        let others: Vec<Vec<TrainingShape>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
-        let shapes: Vec<Snapshot> = filled.iter().chain(&others).flatten().map(TrainingShape::snapshot).collect();
+        let find = |wish: &Wish| self.lateral_shapes(wish, nearest_inflated(&filled, top, &wish.pressures), load(wish));
+        let lateral: Vec<Vec<TrainingShape>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
+        let shapes: Vec<Snapshot> = filled.iter().chain(&lateral).flatten().map(TrainingShape::to_snapshot).collect();
         let coordinates = (KEPT * shapes.len() as f64) as usize;
-        let by = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
+        let reduction_settings = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
         let contact = filled.iter().zip(top).filter_map(|(shapes, top)| Some(first_touch(shapes, touch)? * top));
         let contact = contact.min_by(f64::total_cmp);
-        Ok(Reduction { data: model.system.reduce_trained(&shapes, &by)?.data(), contact })
+        Ok(Reduction { data: model.system.reduce_trained(&shapes, &reduction_settings)?.data(), contact })
     }
 
     /// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last, every second with the directions of the
     /// `loads`; none where it is never filled.
-    fn solve(&self, filled: usize, loads: [&[f64]; 2]) -> Result<Vec<TrainingShape>> {
+    fn inflate_chamber(&self, filled: usize, loads: [&[f64]; 2]) -> Result<Vec<TrainingShape>> {
         if self.top[filled] == 0.0 {
             return Ok(Vec::new());
         }
         let mut solver = self.model.solver(self.elastic)?;
-        let mut known = vec![(0.0, vec![0.0; 3 * self.model.system.mesh().nodes.len()])];
+        let mut equilibria = vec![(0.0, vec![0.0; 3 * self.model.system.mesh().nodes.len()])];
         let mut shapes = Vec::new();
         for step in 1..=STEPS {
-            let pressures = alone(self.top, filled, step as f64 / STEPS as f64);
-            let path: Vec<(Pascal, &[f64])> = known.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
-            let found = solver.equilibrium_from(&path, &pressures, &settings())?;
+            let pressures = chamber_pressures(self.top, filled, step as f64 / STEPS as f64);
+            let path: Vec<(Pascal, &[f64])> = equilibria.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
+            let equilibrium = solver.equilibrium_from(&path, &pressures, &static_settings())?;
             let directions = match step.is_multiple_of(2) {
-                true => self.directions(&mut solver, &found, loads)?,
+                true => self.load_directions(&mut solver, &equilibrium, loads)?,
                 false => Vec::new(),
             };
-            known.push((pressures[filled], found.displacement.clone()));
-            shapes.push(TrainingShape { displacement: found.displacement, directions });
+            equilibria.push((pressures[filled], equilibrium.displacement.clone()));
+            shapes.push(TrainingShape { displacement: equilibrium.displacement, directions });
         }
         Ok(shapes)
     }
 
     /// The directions in which each load moves the body at an equilibrium, 3 entries per node, as far as the first of [`PULLS`]; none where the
     /// tangent is not positive definite, as where a wall is about to snap.
-    fn directions(&self, solver: &mut Solver, at: &Equilibrium, loads: [&[f64]; 2]) -> Result<Vec<Vec<f64>>> {
-        solver.assemble(at)?;
-        match solver.factorise(at) {
+    fn load_directions(
+        &self,
+        solver: &mut Solver,
+        equilibrium: &Equilibrium,
+        loads: [&[f64]; 2],
+    ) -> Result<Vec<Vec<f64>>> {
+        solver.assemble(equilibrium)?;
+        match solver.factorise(equilibrium) {
             Err(SolveError::NotStable) => return Ok(Vec::new()),
             done => done?,
         }
         let mut direction = |load: &[f64]| -> Result<Vec<f64>> {
-            let moved = solver.solve(load)?;
-            let far = moved.iter().skip(1).step_by(3).fold(f64::MIN_POSITIVE, |far: f64, y| far.max(y.abs()));
-            Ok(moved.iter().map(|u| PULLS[0] * self.length / far * u).collect())
+            let displacement = solver.solve(load)?;
+            let largest =
+                displacement.iter().skip(1).step_by(3).fold(f64::MIN_POSITIVE, |largest: f64, y| largest.max(y.abs()));
+            Ok(displacement.iter().map(|u| PULLS[0] * self.length / largest * u).collect())
         };
         loads.into_iter().map(&mut direction).collect()
     }
 
-    /// The shapes on the way to a wish, begun `near` it: with half of each pull and the whole.
-    fn shape(&self, wish: &Wish, near: Option<(Vec<Pascal>, &[f64])>, pull: &[f64]) -> Result<Vec<TrainingShape>> {
+    /// The shapes on the way to a wish, begun at the `nearest` shape: with half of each pull and the whole.
+    fn lateral_shapes(
+        &self,
+        wish: &Wish,
+        nearest: Option<(Vec<Pascal>, &[f64])>,
+        pull: &[f64],
+    ) -> Result<Vec<TrainingShape>> {
         let mut solver = self.model.solver(self.elastic)?;
         let none = vec![0.0; pull.len()];
-        let (begin, near) = near.unwrap_or_else(|| (vec![0.0; wish.pressures.len()], &none));
+        let (begin, nearest) = nearest.unwrap_or_else(|| (vec![0.0; wish.pressures.len()], &none));
         let inflation = LoadRamp { pressures: [&begin, &wish.pressures], forces: [&none; 2] };
-        let held = solver.equilibrium_along(&[(0.0, near)], &inflation, &settings())?.displacement;
+        let inflated = solver.equilibrium_along(&[(0.0, nearest)], &inflation, &static_settings())?.displacement;
         let mut shapes = Vec::new();
-        for far in &wish.pulls {
-            let mut pulled = |part: f64, known: &[(f64, &[f64])]| {
-                let forces: Vec<f64> = pull.iter().map(|f| part * far * self.length * f).collect();
+        for amplitude in &wish.pulls {
+            let mut pulled = |part: f64, path: &[(f64, &[f64])]| {
+                let forces: Vec<f64> = pull.iter().map(|f| part * amplitude * self.length * f).collect();
                 let ramp = LoadRamp { pressures: [&wish.pressures; 2], forces: [&none, &forces] };
-                solver.equilibrium_along(known, &ramp, &settings()).map(|found| found.displacement)
+                solver.equilibrium_along(path, &ramp, &static_settings()).map(|equilibrium| equilibrium.displacement)
             };
-            let half = pulled(0.5, &[(0.0, &held)])?;
-            let whole = pulled(1.0, &[(0.0, &held), (0.5, &half)])?;
-            shapes.extend([half, whole].map(TrainingShape::undirected));
+            let half = pulled(0.5, &[(0.0, &inflated)])?;
+            let full = pulled(1.0, &[(0.0, &inflated), (0.5, &half)])?;
+            shapes.extend([half, full].map(TrainingShape::without_directions));
         }
         Ok(shapes)
     }
 }
 
-fn alone(top: &[Pascal], filled: usize, share: f64) -> Vec<Pascal> {
+fn chamber_pressures(top: &[Pascal], filled: usize, share: f64) -> Vec<Pascal> {
     (0..top.len()).map(|k| if k == filled { share * top[k] } else { 0.0 }).collect()
 }
 
 /// The part (0 to 1) of the pressure of the last of evenly loaded `shapes` from which walls `touch`; between shapes by straight lines.
 fn first_touch(shapes: &[TrainingShape], touch: &dyn Fn(&[f64]) -> bool) -> Option<f64> {
-    let rest = vec![0.0; shapes.first()?.displacement.len()];
-    let shape = |step: usize| if step == 0 { &rest } else { &shapes[step - 1].displacement };
-    let between = |part: f64| -> Vec<f64> {
-        let (step, along) = ((part.ceil() as usize).max(1), part.ceil() - part);
-        shape(step - 1).iter().zip(shape(step)).map(|(a, b)| along * a + (1.0 - along) * b).collect()
+    let undeformed = vec![0.0; shapes.first()?.displacement.len()];
+    let shape = |step: usize| if step == 0 { &undeformed } else { &shapes[step - 1].displacement };
+    let interpolated = |part: f64| -> Vec<f64> {
+        let (step, fraction) = ((part.ceil() as usize).max(1), part.ceil() - part);
+        shape(step - 1).iter().zip(shape(step)).map(|(a, b)| fraction * a + (1.0 - fraction) * b).collect()
     };
     let parts = (1..=FINE * shapes.len()).map(|k| k as f64 / FINE as f64);
-    Some(parts.into_iter().find(|part| touch(&between(*part)))? / shapes.len() as f64)
+    Some(parts.into_iter().find(|part| touch(&interpolated(*part)))? / shapes.len() as f64)
 }
 
 /// The side to which a shape bends: that of positive work of the lateral load.
-fn bend(shape: &[f64], pull: &[f64]) -> f64 {
+fn bending_side(shape: &[f64], pull: &[f64]) -> f64 {
     shape.iter().zip(pull).map(|(u, f)| u * f).sum::<f64>().signum()
 }
 
 /// Of the shapes with one chamber `filled`, the nearest to `pressures` of one chamber, and its own; none where no chamber or several are filled:
 /// from rest both sides of a tail are filled past no buckle, from one side alone back through it.
-fn nearest<'a>(
+fn nearest_inflated<'a>(
     filled: &'a [Vec<TrainingShape>],
     top: &[Pascal],
     pressures: &[Pascal],
@@ -194,7 +209,7 @@ fn nearest<'a>(
     let (chamber, pressure) = each.next().filter(|_| each.next().is_none())?;
     let step = (pressure / top[chamber] * STEPS as f64).round() as usize;
     let shape = filled[chamber].get(step.checked_sub(1)?)?;
-    Some((alone(top, chamber, step as f64 / STEPS as f64), &shape.displacement))
+    Some((chamber_pressures(top, chamber, step as f64 / STEPS as f64), &shape.displacement))
 }
 
 /// Snapshots under lateral loads to both sides: at rest, with each chamber filled, and with neighbouring chambers filled together. A
@@ -202,9 +217,9 @@ fn nearest<'a>(
 fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
     let [with, against] = PULLS;
     let driven: Vec<usize> = (0..top.len()).filter(|k| top[*k] > 0.0).collect();
-    let rest = Wish { pressures: vec![0.0; top.len()], load: Lateral::Water, pulls: vec![with, -with] };
-    let held = driven.iter().map(|&k| Wish {
-        pressures: alone(top, k, HELD),
+    let undeformed = Wish { pressures: vec![0.0; top.len()], load: Lateral::Water, pulls: vec![with, -with] };
+    let inflated = driven.iter().map(|&k| Wish {
+        pressures: chamber_pressures(top, k, HELD),
         load: Lateral::Water,
         pulls: vec![with * bends[k], -against * bends[k]],
     });
@@ -213,15 +228,15 @@ fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
     // silicone came out 6 % too low; with ten levels alone, 2.2 %; with both, 0.6 and 1.5 %.
     let pairs = driven.windows(2).flat_map(|pair| {
         BOTH.map(|[a, b]| {
-            let mut pressures = alone(top, pair[1], b);
+            let mut pressures = chamber_pressures(top, pair[1], b);
             pressures[pair[0]] = a * top[pair[0]];
             Wish { pressures, load: Lateral::Inertia, pulls: vec![with, -with] }
         })
     });
-    std::iter::once(rest).chain(held).chain(pairs).collect()
+    std::iter::once(undeformed).chain(inflated).chain(pairs).collect()
 }
 
-fn settings() -> StaticSettings {
+fn static_settings() -> StaticSettings {
     StaticSettings { tolerance: 1e-6, ..StaticSettings::default() }
 }
 
@@ -232,7 +247,7 @@ mod tests {
     #[test]
     fn walls_touch_from_the_pressure_at_which_the_line_between_two_shapes_does() {
         // three levels; the walls touch from a displacement of 1.5 on, half way from the second level to the third
-        let shapes = [0.5, 1.0, 2.0].map(|far| TrainingShape::undirected(vec![far]));
+        let shapes = [0.5, 1.0, 2.0].map(|far| TrainingShape::without_directions(vec![far]));
         let found = |limit: f64| first_touch(&shapes, &|shape: &[f64]| shape[0] >= limit);
         assert_eq!(found(1.5), Some(2.5 / 3.0));
         assert_eq!(found(0.25), Some(0.5 / 3.0));

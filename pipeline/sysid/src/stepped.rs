@@ -35,12 +35,12 @@ impl ReducedBody {
         };
         let named = |(name, marker): &(&str, usize)| {
             let rows = self.rows(&[*marker]);
-            [("x", 0), ("y", 1)].map(|(axis, k)| (format!("{name}_{axis}"), row(&rows, k)))
+            [("x", 0), ("y", 1)].map(|(axis, k)| (format!("{name}_{axis}"), coordinate_row(&rows, k)))
         };
         Ok(TwinData {
             mass: arrays.mass.to_vec(),
             size: arrays.size,
-            regions: regions.map(|(points, constants)| region(points, constants, r)).collect::<Result<_>>()?,
+            regions: regions.map(|(points, constants)| twin_region(points, constants, r)).collect::<Result<_>>()?,
             chambers: arrays.chambers.iter().map(chamber).collect(),
             sections: Vec::new(),
             outputs: outputs.iter().flat_map(named).collect(),
@@ -73,12 +73,16 @@ impl ForcedMotion<'_> {
     }
 }
 
-fn row(rows: &DMatrix<f64>, number: usize) -> Vec<f64> {
+fn coordinate_row(rows: &DMatrix<f64>, number: usize) -> Vec<f64> {
     rows.row(number).iter().copied().collect()
 }
 
-fn region(of: &ReducedRegion, (scale, relaxation, ratios): (f64, &Relaxation, [f64; 2]), r: usize) -> Result<Region> {
-    let name = of.material.name();
+fn twin_region(
+    reduced_region: &ReducedRegion,
+    (scale, relaxation, ratios): (f64, &Relaxation, [f64; 2]),
+    r: usize,
+) -> Result<Region> {
+    let name = reduced_region.material.name();
     if !LAWS.contains(&name) {
         return Err(Diagnostic::new(
             format!("a tail of the law `{name}` cannot be exported as a twin"),
@@ -86,15 +90,15 @@ fn region(of: &ReducedRegion, (scale, relaxation, ratios): (f64, &Relaxation, [f
             "give solid.material = \"neo_hookean\" or \"yeoh\" on the card",
         ));
     }
-    let moduli = of.moduli.scaled(scale).with_stiffening(ratios);
+    let moduli = reduced_region.moduli.scaled(scale).with_stiffening(ratios);
     // points × 9 × r to points × r × 9
-    let transposed = |point: &[f64]| (0..9 * r).map(|at| point[at % 9 * r + at / 9]).collect::<Vec<_>>();
+    let transposed = |point: &[f64]| (0..9 * r).map(|index| point[index % 9 * r + index / 9]).collect::<Vec<_>>();
     Ok(Region {
         mu: moduli.mu,
         lambda: moduli.lambda,
-        stiffening: if of.material.is_stiffening() { moduli.stiffening } else { [0.0; 2] },
+        stiffening: if reduced_region.material.is_stiffening() { moduli.stiffening } else { [0.0; 2] },
         branches: relaxation.branches().iter().map(|branch| [branch.strength, branch.time]).collect(),
-        weights: of.weights.to_vec(),
-        gradients: of.gradients.chunks_exact(9 * r).flat_map(transposed).collect(),
+        weights: reduced_region.weights.to_vec(),
+        gradients: reduced_region.gradients.chunks_exact(9 * r).flat_map(transposed).collect(),
     })
 }

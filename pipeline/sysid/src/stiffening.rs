@@ -59,59 +59,59 @@ impl StiffeningProblem<'_> {
         let longest_step =
             [vec![LONGEST_MODULI; self.model.nominal.youngs_moduli.len()], LONGEST_RATIOS.to_vec()].concat();
         settings.gauss_newton = gauss_newton::Settings { longest_step, ..self.method.clone() };
-        let mut optimiser = (member.build)(&self.search()?, &settings)?;
+        let mut optimiser = (member.build)(&self.joint_problem()?, &settings)?;
         let mut count = 0;
         let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-            let mut one = |at: &Vec<f64>| {
+            let mut evaluate = |point: &Vec<f64>| {
                 count += 1;
                 progress(count);
-                self.evaluate(solver, at, count > 1).map_err(Interrupted)
+                self.evaluate_point(solver, point, count > 1).map_err(Interrupted)
             };
-            batch.iter().map(&mut one).collect()
+            batch.iter().map(&mut evaluate).collect()
         };
         let best = optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?.best;
-        let (residuals, ratios) = (residuals_of(&best)?.clone(), self.elastic(&best.at).stiffening);
+        let (residuals, ratios) = (residuals_of(&best)?.clone(), self.elastic_constants(&best.at).stiffening);
         Ok(Stiffened { at: best.at, ratios, residuals })
     }
 
-    fn search(&self) -> Result<Problem> {
+    fn joint_problem(&self) -> Result<Problem> {
         let names: Vec<&str> = self.moduli.names().iter().map(String::as_str).chain(RATIOS).collect();
         let Bounds { low, high } = self.moduli.bounds();
-        let end = |of: &[f64], k: usize| [of, &BOUNDS.map(|bound| bound[k])].concat();
+        let end = |moduli: &[f64], k: usize| [moduli, &BOUNDS.map(|bound| bound[k])].concat();
         let bounds = Bounds { low: end(low, 0), high: end(high, 1) };
         let start = bounds.clamp(&[self.moduli.start(), &self.model.nominal.stiffening].concat());
         Ok(Problem::new(&names, start, bounds)?)
     }
 
     /// The constants at a point of the search.
-    fn elastic(&self, at: &[f64]) -> Elastic {
+    fn elastic_constants(&self, point: &[f64]) -> Elastic {
         let mut elastic = self.model.nominal.clone();
-        let (moduli, ratios) = at.split_at(elastic.youngs_moduli.len());
-        elastic.youngs_moduli.iter_mut().zip(moduli).for_each(|(modulus, by)| *modulus *= by.exp());
+        let (moduli, ratios) = point.split_at(elastic.youngs_moduli.len());
+        elastic.youngs_moduli.iter_mut().zip(moduli).for_each(|(modulus, log_ratio)| *modulus *= log_ratio.exp());
         elastic.stiffening.copy_from_slice(ratios);
         elastic
     }
 
     /// Residuals at a point; an infinite loss where `may_fail` and there is no equilibrium.
-    fn evaluate(&self, solver: &mut LevelSolver, at: &[f64], may_fail: bool) -> Result<Evaluation> {
-        let elastic = self.elastic(at);
+    fn evaluate_point(&self, solver: &mut LevelSolver, point: &[f64], may_fail: bool) -> Result<Evaluation> {
+        let elastic = self.elastic_constants(point);
         let levels = match solver.solve(&elastic, Derivatives::StiffeningSensitivities) {
-            Err(_) if may_fail => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
+            Err(_) if may_fail => return Ok(Evaluation::of_loss(point.to_vec(), f64::INFINITY)),
             levels => levels?,
         };
         let markers: Vec<Vec<Point2>> = levels.iter().map(|level| level.markers.clone()).collect();
         let turns = [&elastic.youngs_moduli[..], &[1.0; 2]].concat();
         let mut residuals = self.misfit.residuals(&levels, &turns)?;
         self.add_prior(&elastic, &mut residuals);
-        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.to_vec(), self.misfit.loss(&markers)) })
+        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(point.to_vec(), self.misfit.loss(&markers)) })
     }
 
     fn add_prior(&self, elastic: &Elastic, residuals: &mut Residuals) {
         let moduli = elastic.youngs_moduli.len();
         for (k, sigma) in self.prior_sigma.into_iter().enumerate() {
             residuals.values.push((elastic.stiffening[k] - self.model.nominal.stiffening[k]) / sigma);
-            let by = |parameter: usize| if parameter == moduli + k { 1.0 / sigma } else { 0.0 };
-            residuals.jacobian.extend((0..moduli + 2).map(by));
+            let derivative = |parameter: usize| if parameter == moduli + k { 1.0 / sigma } else { 0.0 };
+            residuals.jacobian.extend((0..moduli + 2).map(derivative));
         }
     }
 }
@@ -122,8 +122,8 @@ impl StiffeningProblem<'_> {
 /// A [`Diagnostic`] when it was evaluated without them.
 pub fn residuals_of(best: &Evaluation) -> Result<&Residuals> {
     best.residuals.as_ref().ok_or_else(|| {
-        let why = "it was evaluated without them";
-        Diagnostic::new("the best point has no residuals", why, "report it with the recordings")
+        let reason = "it was evaluated without them";
+        Diagnostic::new("the best point has no residuals", reason, "report it with the recordings")
     })
 }
 

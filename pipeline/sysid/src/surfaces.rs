@@ -36,43 +36,44 @@ impl Surfaces {
         let corners = |nodes: &[u32]| if nodes.len() == 20 { 8 } else { 4 };
         let below =
             |nodes: &[u32]| nodes[..corners(nodes)].iter().map(|&n| solid.nodes[n as usize][2]).sum::<f64>() < 0.0;
-        let all = boundary(solid, |nodes| solid.half || below(nodes));
+        let faces = boundary_faces(solid, |nodes| solid.half || below(nodes));
         // a half model is the upper half: its mirror image is the lower one
-        let (points, turn) = if solid.half { (reflected(points), true) } else { (points.to_vec(), false) };
-        Self { points, faces: split(all, turn) }
+        let (points, turn) = if solid.half { (reflect_points(points), true) } else { (points.to_vec(), false) };
+        Self { points, faces: split_faces(faces, turn) }
     }
 
     /// The whole solid.
     pub fn whole(solid: &QuadraticMesh, points: &[Point3]) -> Self {
-        let all: Vec<_> = boundary(solid, |_| true).into_iter().filter(|(on, _)| !on.is_cut()).collect();
+        let boundary_faces: Vec<_> =
+            boundary_faces(solid, |_| true).into_iter().filter(|(bound, _)| !bound.is_cut()).collect();
         if !solid.half {
-            return Self { points: points.to_vec(), faces: split(all, false) };
+            return Self { points: points.to_vec(), faces: split_faces(boundary_faces, false) };
         }
         let shift = points.len() as u32;
-        let mut faces = split(all.clone(), false);
-        for (on, mirrored) in split(all, true) {
-            faces.entry(on).or_default().extend(mirrored.into_iter().map(|f| f.map(|i| i + shift)));
+        let mut faces = split_faces(boundary_faces.clone(), false);
+        for (bound, mirrored) in split_faces(boundary_faces, true) {
+            faces.entry(bound).or_default().extend(mirrored.into_iter().map(|f| f.map(|i| i + shift)));
         }
-        Self { points: [points.to_vec(), reflected(points)].concat(), faces }
+        Self { points: [points.to_vec(), reflect_points(points)].concat(), faces }
     }
 
     /// All of a mesh's skin and cuts as it was meshed, coarse: triangles between the corners of each face.
     pub fn coarse(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
         let mut faces: BTreeMap<Bounds, Vec<[u32; 3]>> = BTreeMap::new();
-        for (on, face) in boundary(solid, |_| true) {
-            faces.entry(on).or_default().extend(face.corner_triangles());
+        for (bound, face) in boundary_faces(solid, |_| true) {
+            faces.entry(bound).or_default().extend(face.corner_triangles());
         }
         faces
     }
 
     /// As [`Surfaces::coarse`], with triangles between all nodes of each face.
     pub fn fine(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
-        split(boundary(solid, |_| true), false)
+        split_faces(boundary_faces(solid, |_| true), false)
     }
 
     /// A scene with these surfaces added, each painted as `paint` returns; surfaces for which it returns none are left out.
     pub fn onto(&self, scene: Scene, paint: impl Fn(Bounds) -> Option<Paint>) -> Scene {
-        self.faces.iter().fold(scene, |scene, (on, faces)| match paint(*on) {
+        self.faces.iter().fold(scene, |scene, (bound, faces)| match paint(*bound) {
             Some(paint) => scene.with_surface(&self.points, faces, paint),
             None => scene,
         })
@@ -102,28 +103,28 @@ impl Bounds {
 }
 
 /// The boundary faces of the selected elements with what they bound.
-fn boundary(solid: &QuadraticMesh, wanted: impl Fn(&[u32]) -> bool) -> Vec<(Bounds, QuadraticFace)> {
+fn boundary_faces(solid: &QuadraticMesh, wanted: impl Fn(&[u32]) -> bool) -> Vec<(Bounds, QuadraticFace)> {
     let key = |face: &QuadraticFace| {
         let mut corners = face.corners().to_vec();
         corners.sort_unstable();
         corners
     };
     let skin: BTreeMap<Vec<u32>, Skin> = solid.skin.iter().map(|f| (key(f), f.on)).collect();
-    let mut seen: BTreeMap<Vec<u32>, (usize, u16, QuadraticFace)> = BTreeMap::new();
+    let mut sides: BTreeMap<Vec<u32>, (usize, u16, QuadraticFace)> = BTreeMap::new();
     for (element, region) in (0..solid.elements.len()).zip(&solid.regions) {
         if !wanted(solid.elements.nodes(element)) {
             continue;
         }
         for face in solid.elements.sides(element) {
-            seen.entry(key(&face)).and_modify(|(count, ..)| *count += 1).or_insert((1, *region, face));
+            sides.entry(key(&face)).and_modify(|(count, ..)| *count += 1).or_insert((1, *region, face));
         }
     }
-    let once = seen.into_iter().filter(|(_, (count, ..))| *count == 1);
-    once.map(|(corners, (_, region, face))| (bounds(skin.get(&corners), region), face)).collect()
+    let once = sides.into_iter().filter(|(_, (count, ..))| *count == 1);
+    once.map(|(corners, (_, region, face))| (face_bounds(skin.get(&corners), region), face)).collect()
 }
 
-fn bounds(on: Option<&Skin>, region: u16) -> Bounds {
-    match (on, region == SPINE) {
+fn face_bounds(skin: Option<&Skin>, region: u16) -> Bounds {
+    match (skin, region == SPINE) {
         (Some(Skin::Chamber(k)), _) => Bounds::Chamber(*k),
         (Some(Skin::Outer), false) => Bounds::Body,
         (Some(Skin::Outer), true) => Bounds::Sheet,
@@ -133,16 +134,16 @@ fn bounds(on: Option<&Skin>, region: u16) -> Bounds {
 }
 
 /// Triangles between all nodes of each face, by what they bound; turned around where the points are mirrored.
-fn split(all: Vec<(Bounds, QuadraticFace)>, turn: bool) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
+fn split_faces(boundary_faces: Vec<(Bounds, QuadraticFace)>, turn: bool) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
     let mut faces: BTreeMap<Bounds, Vec<[u32; 3]>> = BTreeMap::new();
-    for (on, face) in all {
+    for (bound, face) in boundary_faces {
         let turned = face.triangles().into_iter().map(|[i, j, k]| if turn { [i, k, j] } else { [i, j, k] });
-        faces.entry(on).or_default().extend(turned);
+        faces.entry(bound).or_default().extend(turned);
     }
     faces
 }
 
-fn reflected(points: &[Point3]) -> Vec<Point3> {
+fn reflect_points(points: &[Point3]) -> Vec<Point3> {
     points.iter().map(|&[x, y, z]| [x, y, -z]).collect()
 }
 

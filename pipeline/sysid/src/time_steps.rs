@@ -30,15 +30,15 @@ impl TimeSteps {
                     length = (GROWTH * length).min(longest);
                 }
                 // two halves in place of a whole and a sliver: a following step must not be much longer than the one before it
-                let left = stop - t;
-                let taken = if left <= length {
-                    left
-                } else if left < 2.0 * length {
-                    0.5 * left
+                let remaining = stop - t;
+                let taken = if remaining <= length {
+                    remaining
+                } else if remaining < 2.0 * length {
+                    0.5 * remaining
                 } else {
                     length
                 };
-                t = if taken == left { stop } else { t + taken };
+                t = if taken == remaining { stop } else { t + taken };
                 times.push(t);
             }
         }

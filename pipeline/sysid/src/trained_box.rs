@@ -34,7 +34,7 @@ impl<'a> TrainedBox<'a> {
     /// A [`diagnostics::Diagnostic`] when there is no equilibrium at the middle, or the body cannot be reduced.
     pub fn new(loss: &'a Loss<'a>, mut whole: LevelSolver, middle: Elastic, bounds: &mut Bounds) -> Result<Self> {
         bounds.low[0] = feasible_lower_bound(&mut whole, &middle, bounds)?;
-        for corner in corners(bounds) {
+        for corner in modulus_corners(bounds) {
             // what has no equilibrium teaches nothing, and its loss is infinite in every search
             let _ = whole.solve(&loss.elastic(&corner), Derivatives::Sensitivities);
         }
@@ -68,7 +68,7 @@ impl<'a> TrainedBox<'a> {
             self.whole_seconds = 0.0;
             let searches = run(&self.reduced)?;
             for (search, _) in &searches {
-                self.certify(&self.loss.elastic(&search.history.best.at), searches.len())?;
+                self.certify_search(&self.loss.elastic(&search.history.best.at), searches.len())?;
             }
             if self.certificate.holds() || self.certificate.rounds == ROUNDS {
                 return Ok((searches, self.certificate));
@@ -80,9 +80,9 @@ impl<'a> TrainedBox<'a> {
     }
 
     /// Certifies one of so many `ends`.
-    fn certify(&mut self, elastic: &Elastic, ends: usize) -> Result<()> {
-        let by = (Derivatives::Sensitivities, self.loss.misfit.discrepancy());
-        let (levels, sigma) = certify_end((&mut self.whole, &mut self.reduced), elastic, by)?;
+    fn certify_search(&mut self, elastic: &Elastic, ends: usize) -> Result<()> {
+        let certification = (Derivatives::Sensitivities, self.loss.misfit.discrepancy());
+        let (levels, sigma) = certify_end((&mut self.whole, &mut self.reduced), elastic, certification)?;
         self.certificate.sigma = self.certificate.sigma.max(sigma);
         self.certificate.whole_equilibria += levels.len();
         self.whole_seconds += levels.iter().map(|level| level.forward_seconds).sum::<Second>() / ends as f64;
@@ -91,6 +91,6 @@ impl<'a> TrainedBox<'a> {
 }
 
 /// With the softest body, the softest and the stiffest of the other solids.
-fn corners(bounds: &Bounds) -> [Vec<f64>; 2] {
-    [&bounds.low, &bounds.high].map(|others| bounds.low.iter().take(1).chain(others.iter().skip(1)).copied().collect())
+fn modulus_corners(bounds: &Bounds) -> [Vec<f64>; 2] {
+    [&bounds.low, &bounds.high].map(|bound| bounds.low.iter().take(1).chain(bound.iter().skip(1)).copied().collect())
 }

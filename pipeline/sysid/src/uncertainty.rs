@@ -80,9 +80,9 @@ pub fn of(body: &Body, posterior: &Posterior, (best, bounds): (&[f64], &Bounds))
     let moduli = if discretisation.is_empty() { films } else { films.with_error(&discretisation) };
     let sigma: Vec<f64> = (0..count).map(|k| moduli.sigma(k)).collect();
     let mut advice = more_data(&names, &sigma);
-    advice.extend(implausible(body, best, bounds));
+    advice.extend(bound_notes(body, best, bounds));
     advice.extend(
-        posterior.discretisation.as_ref().err().map(|why| format!("the error of the mesh is not known: {why}")),
+        posterior.discretisation.as_ref().err().map(|reason| format!("the error of the mesh is not known: {reason}")),
     );
     Uncertainty {
         sigma,
@@ -106,27 +106,28 @@ fn more_data(names: &[&str], sigma: &[f64]) -> Vec<String> {
 const END: f64 = 0.02;
 
 /// A note for each modulus at a bound of the search: the card's plausible range, or the feasible lower bound.
-fn implausible(body: &Body, at: &[f64], bounds: &Bounds) -> Vec<String> {
+fn bound_notes(body: &Body, estimate: &[f64], bounds: &Bounds) -> Vec<String> {
     let ends = |k: usize| {
-        let part = (at[k] - bounds.low[k]) / (bounds.high[k] - bounds.low[k]);
+        let part = (estimate[k] - bounds.low[k]) / (bounds.high[k] - bounds.low[k]);
         !(END..=1.0 - END).contains(&part)
     };
     let word = |k: usize| {
-        let [low, high] = [bounds.low[k], bounds.high[k]].map(|at| 1e-6 * body.materials[k].youngs_modulus * at.exp());
+        let [low, high] =
+            [bounds.low[k], bounds.high[k]].map(|log_ratio| 1e-6 * body.materials[k].youngs_modulus * log_ratio.exp());
         format!("E of {} reached a bound of the search, {low:.3} to {high:.3} MPa", body.materials[k].name)
     };
-    (0..at.len()).filter(|&k| ends(k)).map(word).collect()
+    (0..estimate.len()).filter(|&k| ends(k)).map(word).collect()
 }
 
 /// Profile likelihoods of two solids: χ² over each modulus, minimised over the other, from χ² over both (second × first).
 pub fn profiles(solids: [&str; 2], [first, second]: [&[Pascal]; 2], chi_square: &[f64]) -> Vec<Profile> {
     let lowest = chi_square.iter().copied().fold(f64::INFINITY, f64::min);
-    let least = |cells: &mut dyn Iterator<Item = usize>| {
+    let minimum = |cells: &mut dyn Iterator<Item = usize>| {
         cells.map(|cell| chi_square[cell]).fold(f64::INFINITY, f64::min) - lowest
     };
     let columns = first.len();
-    let over_first = (0..columns).map(|c| least(&mut (0..second.len()).map(|r| r * columns + c))).collect();
-    let over_second = (0..second.len()).map(|r| least(&mut (0..columns).map(|c| r * columns + c))).collect();
+    let over_first = (0..columns).map(|c| minimum(&mut (0..second.len()).map(|r| r * columns + c))).collect();
+    let over_second = (0..second.len()).map(|r| minimum(&mut (0..columns).map(|c| r * columns + c))).collect();
     let profile = |solid: &str, value: &[Pascal], chi_square| Profile {
         parameter: format!("{solid}_e"),
         value: value.to_vec(),
@@ -213,10 +214,10 @@ mod tests {
         let body = two_solids();
         let bounds = Bounds { low: vec![0.5_f64.ln(); 2], high: vec![2.0_f64.ln(); 2] };
         // a fiftieth of the range counts as its end
-        assert!(implausible(&body, &[0.0, 0.95 * 2.0_f64.ln()], &bounds).is_empty());
-        let said = implausible(&body, &[0.0, 0.97 * 2.0_f64.ln()], &bounds);
+        assert!(bound_notes(&body, &[0.0, 0.95 * 2.0_f64.ln()], &bounds).is_empty());
+        let said = bound_notes(&body, &[0.0, 0.97 * 2.0_f64.ln()], &bounds);
         assert_eq!(said, ["E of spine reached a bound of the search, 0.500 to 2.000 MPa"]);
-        let said = implausible(&body, &[0.97 * 0.5_f64.ln(), 0.0], &bounds);
+        let said = bound_notes(&body, &[0.97 * 0.5_f64.ln(), 0.0], &bounds);
         assert_eq!(said, ["E of body reached a bound of the search, 0.100 to 0.400 MPa"]);
     }
 }

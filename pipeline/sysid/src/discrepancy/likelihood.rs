@@ -26,13 +26,13 @@ const TOLERANCE: f64 = 1e-3;
 const NAMES: [&str; 4] = ["scale", "shape", "correlation length", "correlation of pressures"];
 
 impl Discrepancy {
-    fn logarithms(&self) -> [f64; 4] {
+    fn log_values(&self) -> [f64; 4] {
         [self.scale_sigma, self.shape_sigma, self.correlation_length_m, self.correlation_log_pressure].map(f64::ln)
     }
 
     /// With each number by a factor, whose logarithms are given in deviations of the prior.
-    fn moved(&self, by: &[f64]) -> Self {
-        let factor = |k: usize| (PRIOR[k] * by[k]).exp();
+    fn scaled_by(&self, deviations: &[f64]) -> Self {
+        let factor = |k: usize| (PRIOR[k] * deviations[k]).exp();
         Self {
             scale_sigma: self.scale_sigma * factor(0),
             film_sigma: self.film_sigma,
@@ -49,7 +49,7 @@ impl Discrepancy {
     /// A [`Diagnostic`] when the residuals are of other levels, a number of the prior is not positive, or they do not depend on some
     /// direction of the parameters.
     pub fn estimated(misfit: &Misfit, white: &Residuals, parameters: usize, prior: &Self) -> Result<Self> {
-        if prior.logarithms().iter().any(|x| !x.is_finite()) {
+        if prior.log_values().iter().any(|x| !x.is_finite()) {
             let action = "give the numbers of [identify] that begin with prior_ above zero";
             return Err(Diagnostic::new(
                 "the discrepancy of the films cannot be estimated",
@@ -61,17 +61,17 @@ impl Discrepancy {
         let rows = raw.values.len();
         let of_prior =
             Residuals { values: white.values[rows..].to_vec(), jacobian: white.jacobian[rows * parameters..].to_vec() };
-        let loss = |by: &[f64]| -> f64 {
-            let fit = restricted(misfit, (&raw, &of_prior), parameters, &prior.moved(by));
-            fit.unwrap_or(f64::INFINITY) + 0.5 * by.iter().map(|x| x * x).sum::<f64>()
+        let loss = |deviations: &[f64]| -> f64 {
+            let fit = negative_log_likelihood(misfit, (&raw, &of_prior), parameters, &prior.scaled_by(deviations));
+            fit.unwrap_or(f64::INFINITY) + 0.5 * deviations.iter().map(|x| x * x).sum::<f64>()
         };
-        let best = minimised(&loss)?;
-        Ok(prior.moved(&best))
+        let best = minimise_loss(&loss)?;
+        Ok(prior.scaled_by(&best))
     }
 }
 
 /// −ln of the restricted likelihood; none where S or JᵀS⁻¹J is singular.
-fn restricted(
+fn negative_log_likelihood(
     misfit: &Misfit,
     (raw, of_prior): (&Residuals, &Residuals),
     parameters: usize,
@@ -91,13 +91,13 @@ fn restricted(
 }
 
 /// The point of the least loss, in deviations of the prior. CMA-ES, because the likelihood has no derivative at hand and may be flat.
-fn minimised(loss: &dyn Fn(&[f64]) -> f64) -> Result<Vec<f64>> {
+fn minimise_loss(loss: &dyn Fn(&[f64]) -> f64) -> Result<Vec<f64>> {
     let bounds = Bounds { low: vec![-WIDTH; NAMES.len()], high: vec![WIDTH; NAMES.len()] };
     let problem = Problem::new(&NAMES, vec![0.0; NAMES.len()], bounds)?;
     let settings = cma_es::Settings { step: 0.1, step_tolerance: TOLERANCE, ..cma_es::Settings::default() };
     let mut search = optimisers::cma_es::CmaEs::new(&problem, &settings)?;
     let mut evaluate = |batch: &[Vec<f64>], _: Needs| -> std::result::Result<Vec<Evaluation>, OptimiseError> {
-        Ok(batch.iter().map(|at| Evaluation::of_loss(at.clone(), loss(at))).collect())
+        Ok(batch.iter().map(|point| Evaluation::of_loss(point.clone(), loss(point))).collect())
     };
     Ok(optimize::minimise(&mut search, &mut evaluate)?.best.at)
 }

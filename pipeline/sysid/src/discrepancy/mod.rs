@@ -47,54 +47,61 @@ pub struct Discrepancy {
 
 impl Discrepancy {
     /// Covariance of one film's displacements, row after row: levels × markers × 2, m².
-    fn covariance(&self, film: &[PressureLevel]) -> Vec<f64> {
+    fn film_covariance(&self, film: &[PressureLevel]) -> Vec<f64> {
         let mean = |marker: usize| {
             [0, 1, 2].map(|k| film.iter().map(|l| l.shared[marker][k]).sum::<f64>() / film.len() as f64)
         };
-        let of = |level, marker| [0, 1].map(|axis| Displacement { level, shared: mean(marker), marker, axis });
-        let all: Vec<Displacement> =
-            film.iter().flat_map(|level| (0..level.measured.len()).flat_map(move |marker| of(level, marker))).collect();
-        all.iter().flat_map(|a| all.iter().map(|b| self.entry(a, b)).collect::<Vec<_>>()).collect()
+        let components = |level, marker| [0, 1].map(|axis| Displacement { level, shared: mean(marker), marker, axis });
+        let displacements: Vec<Displacement> = film
+            .iter()
+            .flat_map(|level| (0..level.measured.len()).flat_map(move |marker| components(level, marker)))
+            .collect();
+        displacements
+            .iter()
+            .flat_map(|a| displacements.iter().map(|b| self.covariance_entry(a, b)).collect::<Vec<_>>())
+            .collect()
     }
 
-    fn entry(&self, a: &Displacement, b: &Displacement) -> f64 {
-        own(a, b) + self.film_sigma.powi(2) * a.moved() * b.moved() + self.shape(a, b)
+    fn covariance_entry(&self, a: &Displacement, b: &Displacement) -> f64 {
+        marker_covariance(a, b)
+            + self.film_sigma.powi(2) * a.axis_displacement() * b.axis_displacement()
+            + self.shape_covariance(a, b)
     }
 
     /// Covariance of the deviation of the shape: smooth along the body (Gaussian in the distance of the markers), a random walk over the
     /// logarithm of the pressure (exponential).
-    fn shape(&self, a: &Displacement, b: &Displacement) -> f64 {
+    fn shape_covariance(&self, a: &Displacement, b: &Displacement) -> f64 {
         if a.axis != b.axis || self.shape_sigma == 0.0 {
             return 0.0;
         }
         let ([x, y], [u, v]) = (a.level.rest[a.marker], b.level.rest[b.marker]);
-        let apart = (x - u).hypot(y - v) / self.correlation_length_m;
+        let distance_ratio = (x - u).hypot(y - v) / self.correlation_length_m;
         let raised = (a.level.top() / b.level.top()).ln().abs() / self.correlation_log_pressure;
-        self.shape_sigma.powi(2) * a.distance() * b.distance() * (-0.5 * apart * apart - raised).exp()
+        self.shape_sigma.powi(2) * a.distance() * b.distance() * (-0.5 * distance_ratio * distance_ratio - raised).exp()
     }
 
     /// By how much all displacements follow one standard deviation of each chamber's own cause, which moves the films of the other chambers
     /// the other way: chambers × displacements.
     // (δ − 1/n) n/(n − 1) is the covariance of n scales of variance one that add up to nothing, and I − 1/n is its own square.
-    fn scales(&self, misfit: &Misfit) -> Vec<Vec<f64>> {
+    fn chamber_scales(&self, misfit: &Misfit) -> Vec<Vec<f64>> {
         let filled: Vec<usize> = misfit.levels.iter().map(PressureLevel::filled).collect();
         let chambers = filled.iter().copied().collect::<BTreeSet<_>>();
         let count = chambers.len() as f64;
         let (mean, size) = if count > 1.0 { (1.0 / count, (count / (count - 1.0)).sqrt()) } else { (0.0, 1.0) };
-        let of = |chamber: &usize| {
+        let chamber_scale = |chamber: &usize| {
             let share = |level: usize| f64::from(u8::from(filled[level] == *chamber)) - mean;
-            let moved = misfit.levels.iter().enumerate().flat_map(|(number, level)| {
-                let by = self.scale_sigma * size * share(number);
-                level.measured.iter().flatten().map(move |moved| by * moved)
+            let displacements = misfit.levels.iter().enumerate().flat_map(|(number, level)| {
+                let factor = self.scale_sigma * size * share(number);
+                level.measured.iter().flatten().map(move |displacement| factor * displacement)
             });
-            moved.collect()
+            displacements.collect()
         };
-        chambers.iter().map(of).collect()
+        chambers.iter().map(chamber_scale).collect()
     }
 
     /// The whitening of the levels under this discrepancy.
     fn whitening(&self, misfit: &Misfit) -> Result<Whitening> {
-        Ok(misfit.under(|film| self.covariance(film))?.with_common(&self.scales(misfit))?)
+        Ok(misfit.under(|film| self.film_covariance(film))?.with_common(&self.chamber_scales(misfit))?)
     }
 
     /// The covariance of the parameters of a search and χ² over the degrees of freedom, both under this discrepancy; `white` are the
@@ -105,21 +112,21 @@ impl Discrepancy {
     pub fn posterior(&self, misfit: &Misfit, white: &Residuals, parameters: usize) -> Result<(Covariance, f64)> {
         let discrepancy = self.whitening(misfit)?;
         let raw = misfit.raw(white, parameters)?;
-        let (levels, all) = (raw.values.len(), white.values.len());
+        let (level_rows, rows) = (raw.values.len(), white.values.len());
         // one standard deviation of each independent cause: the columns of a root of S, and the rows of the prior
-        let unit = |k: usize, of: usize| -> Vec<f64> { (0..of).map(|i| f64::from(u8::from(i == k))).collect() };
-        let of_level = |k: usize| -> Result<Vec<f64>> {
-            let column = discrepancy.invert(&Residuals { values: unit(k, levels), jacobian: Vec::new() }, 0)?;
-            let mut seen = misfit.white(&column, 0)?.values;
-            seen.resize(all, 0.0);
-            Ok(seen)
+        let unit = |k: usize, count: usize| -> Vec<f64> { (0..count).map(|i| f64::from(u8::from(i == k))).collect() };
+        let level_cause = |k: usize| -> Result<Vec<f64>> {
+            let column = discrepancy.invert(&Residuals { values: unit(k, level_rows), jacobian: Vec::new() }, 0)?;
+            let mut whitened = misfit.white(&column, 0)?.values;
+            whitened.resize(rows, 0.0);
+            Ok(whitened)
         };
-        let causes = (0..levels).map(of_level).chain((levels..all).map(|k| Ok(unit(k, all))));
+        let causes = (0..level_rows).map(level_cause).chain((level_rows..rows).map(|k| Ok(unit(k, rows))));
         let moves = causes.map(|cause| white.response(&cause?, parameters).map_err(Diagnostic::from));
         let covariance = Covariance::of_errors(parameters, &moves.collect::<Result<Vec<_>>>()?);
-        let mut seen = discrepancy.apply(&raw, parameters)?;
-        seen.values.extend(&white.values[levels..]);
-        Ok((covariance, seen.reduced_chi_square(parameters)))
+        let mut whitened = discrepancy.apply(&raw, parameters)?;
+        whitened.values.extend(&white.values[level_rows..]);
+        Ok((covariance, whitened.reduced_chi_square(parameters)))
     }
 }
 
@@ -138,7 +145,7 @@ struct Displacement<'a> {
 }
 
 impl Displacement<'_> {
-    fn moved(&self) -> Metre {
+    fn axis_displacement(&self) -> Metre {
         self.level.measured[self.marker][self.axis]
     }
 
@@ -150,7 +157,7 @@ impl Displacement<'_> {
 }
 
 /// Covariance of the markers' own errors.
-fn own(a: &Displacement, b: &Displacement) -> f64 {
+fn marker_covariance(a: &Displacement, b: &Displacement) -> f64 {
     if a.marker != b.marker {
         return 0.0;
     }

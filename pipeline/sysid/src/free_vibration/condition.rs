@@ -63,19 +63,19 @@ impl Condition {
     /// interrupted.
     pub fn new(page: &Page, path: &Path, interrupt: Option<Interrupt>) -> Result<Self> {
         let mut case = read(path)?;
-        checked(&case, path)?;
+        check_case(&case, path)?;
         // Yeoh's law without its further terms is the neo-Hookean one.
         case.region[0].material = "yeoh".to_owned();
         let loaded = load(&case, path.parent().unwrap_or(Path::new(".")))?;
         let body = Body::new(&case, &loaded)?.interruptible(interrupt.clone());
-        let shapes = shapes(page, &case, &body)?;
+        let shapes = training_shapes(page, &case, &body)?;
         let shapes: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
         let reduced = body.system.reduce(&shapes, &REDUCTION)?;
         let project = |nodal: &[f64]| {
-            let by = |k: usize| reduced.displacement(&unit(reduced.coordinates(), k));
-            DVector::from_fn(reduced.coordinates(), |k, _| by(k).iter().zip(nodal).map(|(u, f)| u * f).sum::<f64>())
+            let mode = |k: usize| reduced.displacement(&unit_vector(reduced.coordinates(), k));
+            DVector::from_fn(reduced.coordinates(), |k, _| mode(k).iter().zip(nodal).map(|(u, f)| u * f).sum::<f64>())
         };
-        let (load, marker) = (project(&dead_loads(&case, &body)), project(&marker(page, &body)));
+        let (load, marker) = (project(&dead_loads(&case, &body)), project(&marker_weights(page, &body)));
         Ok(Self { youngs_modulus: body.system.regions()[0].youngs_modulus, load, marker, reduced, interrupt })
     }
 
@@ -84,26 +84,26 @@ impl Condition {
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion, or the fit was interrupted.
-    pub fn fall(&self, is: &Properties, ramp: Second, times: &[Second]) -> Result<Vec<Metre>> {
+    pub fn fall(&self, properties: &Properties, ramp: Second, times: &[Second]) -> Result<Vec<Metre>> {
         if self.interrupt.as_ref().is_some_and(|asked| asked()) {
             return Err(Diagnostic::interrupted());
         }
         let settings = DynamicSettings {
-            mass_damping: is.mass_damping,
-            stiffness_damping: is.stiffness_damping,
+            mass_damping: properties.mass_damping,
+            stiffness_damping: properties.stiffness_damping,
             ..DynamicSettings::default()
         };
         let motion = ReducedMotion {
             settings: &DynamicSettings { step: times[1] - times[0], ..settings },
-            modulus_scale: &[is.youngs_modulus / self.youngs_modulus],
-            relaxation: std::slice::from_ref(&is.relaxation),
-            stiffening: &[is.stiffening],
+            modulus_scale: &[properties.youngs_modulus / self.youngs_modulus],
+            relaxation: std::slice::from_ref(&properties.relaxation),
+            stiffening: &[properties.stiffening],
             actuation: &|_| Actuation { pressures: Vec::new() },
         };
         let mut loads = DeadLoads { load: &self.load, ramp };
         let mut fall = vec![0.0];
-        let mut see = |_: Second, q: &DVector<f64>, _: &DVector<f64>| fall.push(self.marker.dot(q));
-        self.reduced.integrate_at(&motion, &mut loads, &times[1..], &mut see)?;
+        let mut observe = |_: Second, q: &DVector<f64>, _: &DVector<f64>| fall.push(self.marker.dot(q));
+        self.reduced.integrate_at(&motion, &mut loads, &times[1..], &mut observe)?;
         Ok(fall)
     }
 }
@@ -123,7 +123,7 @@ pub(super) fn times(page: &Page, end: Second) -> Vec<Second> {
 }
 
 /// Smooth rise from 0 to 1 over a relative time of 0 to 1.
-fn released(part: f64) -> f64 {
+fn smooth_rise(part: f64) -> f64 {
     let part = part.clamp(0.0, 1.0);
     part * part * (3.0 - 2.0 * part)
 }
@@ -135,28 +135,30 @@ struct DeadLoads<'a> {
 }
 
 impl ExternalForce for DeadLoads<'_> {
-    fn force(&self, at: &StepState) -> DVector<f64> {
-        self.load * released(at.time / self.ramp)
+    fn force(&self, state: &StepState) -> DVector<f64> {
+        self.load * smooth_rise(state.time / self.ramp)
     }
 
     fn accept(&mut self, _: &StepState) {}
 }
 
-fn checked(case: &Case, path: &Path) -> Result<()> {
-    let refused = |what: &str, why: &str, action: &str| Err(Diagnostic::file(path, what, why, action));
+fn check_case(case: &Case, path: &Path) -> Result<()> {
+    let refused = |message: &str, reason: &str, action: &str| Err(Diagnostic::file(path, message, reason, action));
     match &case.region[..] {
-        [one] if one.mean_dilatation => refused(
+        [region] if region.mean_dilatation => refused(
             "its region uses mean_dilatation",
             "a reduced model cannot",
             "leave it out, with quadratic elements and poissons_ratio 0.49 at most",
         ),
-        [one] if one.material == "neo_hookean" || one.material == "yeoh" => Ok(()),
-        [one] => refused(
-            &format!("its material is `{}`", one.material),
+        [region] if region.material == "neo_hookean" || region.material == "yeoh" => Ok(()),
+        [region] => refused(
+            &format!("its material is `{}`", region.material),
             "the laws that are compared extend the neo-Hookean one",
             "set material = \"neo_hookean\"",
         ),
-        all => refused(&format!("it has {} regions", all.len()), "one body is identified", "fit a body of one region"),
+        regions => {
+            refused(&format!("it has {} regions", regions.len()), "one body is identified", "fit a body of one region")
+        }
     }
 }
 
@@ -170,23 +172,23 @@ fn dead_loads(case: &Case, body: &Body) -> Vec<f64> {
 }
 
 /// Weights of all nodes in the mean displacement of the compared markers along the page's axis, 3 entries per node.
-fn marker(page: &Page, body: &Body) -> Vec<f64> {
+fn marker_weights(page: &Page, body: &Body) -> Vec<f64> {
     let compared: Vec<_> = page.marker.iter().filter(|marker| marker.compared).filter_map(|marker| marker.on).collect();
     let mut weights = vec![0.0; 3 * body.solid.nodes().len()];
-    for at in &compared {
-        for (node, weight) in body.solid.embed(*at).0.weights {
+    for point in &compared {
+        for (node, weight) in body.solid.embed(*point).0.weights {
             weights[3 * node as usize + page.along as usize] += weight / compared.len() as f64;
         }
     }
     weights
 }
 
-fn unit(count: usize, k: usize) -> DVector<f64> {
+fn unit_vector(count: usize, k: usize) -> DVector<f64> {
     DVector::from_fn(count, |row, _| f64::from(u8::from(row == k)))
 }
 
 /// Shapes of the whole body: at rest under fractions of its loads, and in the motion after a sudden release.
-fn shapes(page: &Page, case: &Case, body: &Body) -> Result<Vec<Vec<f64>>> {
+fn training_shapes(page: &Page, case: &Case, body: &Body) -> Result<Vec<Vec<f64>>> {
     let mut shapes = Vec::new();
     for part in FRACTIONS {
         let mut solver = body.solver(case)?;
@@ -195,15 +197,15 @@ fn shapes(page: &Page, case: &Case, body: &Body) -> Result<Vec<Vec<f64>>> {
         let pressures = vec![0.0; body.cavities.len()];
         shapes.push(solver.equilibrium(&pressures, None, &StaticSettings::default())?.displacement);
     }
-    shapes.extend(motion(page, case, &body.system, body)?);
+    shapes.extend(release_shapes(page, case, &body.system, body)?);
     Ok(shapes)
 }
 
-fn motion(page: &Page, case: &Case, system: &System, body: &Body) -> Result<Vec<Vec<f64>>> {
+fn release_shapes(page: &Page, case: &Case, system: &System, body: &Body) -> Result<Vec<Vec<f64>>> {
     let settings = DynamicSettings { step: WHOLE_STEP * page.step, ..DynamicSettings::default() };
-    let rest = State::rest(system.mesh().nodes.len());
+    let initial = State::rest(system.mesh().nodes.len());
     let pressures = |_: Second| vec![0.0; body.cavities.len()];
-    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures };
+    let problem = InitialValueProblem { settings: &settings, initial: &initial, pressures: &pressures };
     let (mut shapes, mut count) = (Vec::new(), 0);
     let mut keep = |_: Second, state: &State| {
         count += 1;
@@ -221,6 +223,6 @@ mod tests {
 
     #[test]
     fn the_loads_rise_smoothly_from_none_to_all() {
-        assert_eq!([-1.0, 0.0, 0.5, 1.0, 7.0].map(released), [0.0, 0.0, 0.5, 1.0, 1.0]);
+        assert_eq!([-1.0, 0.0, 0.5, 1.0, 7.0].map(smooth_rise), [0.0, 0.0, 0.5, 1.0, 1.0]);
     }
 }

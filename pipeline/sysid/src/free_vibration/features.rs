@@ -24,8 +24,9 @@ impl Features {
     /// # Errors
     /// A diagnostic when there is no vibration in the window of the page.
     pub fn of(page: &Page, fall: &Series) -> Result<Self> {
-        let rest = fall.values().len() - ((page.settled * fall.rate()).round() as usize).min(fall.values().len() - 1);
-        let last = &fall.values()[rest..];
+        let settled_start =
+            fall.values().len() - ((page.settled * fall.rate()).round() as usize).min(fall.values().len() - 1);
+        let last = &fall.values()[settled_start..];
         let deflection = last.iter().sum::<f64>() / last.len() as f64;
         Ok(Self { deflection, vibration: vibration(page, fall)? })
     }
@@ -53,15 +54,15 @@ pub(super) fn difference(predicted: &Series, recorded: &Series, scale: Metre) ->
 /// The shift of a prediction onto its recording (s) with the least root mean square difference, and that difference, m.
 pub(super) fn aligned(predicted: &Series, recorded: &Series) -> (Second, f64) {
     let frames = (SHIFT * recorded.rate()).round() as i64;
-    let of = |shift: i64| {
+    let shifted_difference = |shift: i64| {
         let pairs = recorded.values().iter().enumerate().map(|(i, measured)| {
-            let at = (i as i64 - shift).clamp(0, predicted.values().len() as i64 - 1) as usize;
-            (predicted.values()[at] - measured).powi(2)
+            let frame = (i as i64 - shift).clamp(0, predicted.values().len() as i64 - 1) as usize;
+            (predicted.values()[frame] - measured).powi(2)
         });
         (shift as f64 / recorded.rate(), (pairs.sum::<f64>() / recorded.values().len() as f64).sqrt())
     };
     let less = |best: (Second, f64), next: (Second, f64)| if next.1 < best.1 { next } else { best };
-    (-frames..=frames).map(of).fold((0.0, f64::INFINITY), less)
+    (-frames..=frames).map(shifted_difference).fold((0.0, f64::INFINITY), less)
 }
 
 #[cfg(test)]

@@ -32,11 +32,11 @@ const OPTIONS: [&str; 13] = [
 /// A [`Diagnostic`] when there is no network, no `curl`, no source, or other bytes than the page expects.
 pub fn fetch(root: &Path, path: &Path) -> Result<Vec<PathBuf>> {
     let page = Page::read(path)?;
-    let own = |recording: &Recording| match recorded::find(&page.name, &page.folders, &recording.files, root) {
-        Ok(there) => Ok(there),
+    let locate = |recording: &Recording| match recorded::find(&page.name, &page.folders, &recording.files, root) {
+        Ok(path) => Ok(path),
         Err(_) => Download::of(&page, recording, root)?.run(root),
     };
-    page.recording.iter().map(own).collect()
+    page.recording.iter().map(locate).collect()
 }
 
 /// What is downloaded, from where to where; everything on a page is untrusted.
@@ -49,39 +49,49 @@ struct Download<'a> {
 impl<'a> Download<'a> {
     /// The download of a recording that lies in none of the page's folders.
     fn of(page: &'a Page, recording: &'a Recording, root: &Path) -> Result<Self> {
-        let refused = |what: String, why: &str, action: &str| Err(Diagnostic::new(what, why, action));
+        let refused = |message: String, reason: &str, action: &str| Err(Diagnostic::new(message, reason, action));
         let (Some(source), Some(file), Some(folder)) =
             (&recording.source, recording.files.last(), page.folders.first())
         else {
-            let what = format!("a recording of `{}` has no source", page.name);
-            return refused(what, "the page names none", "ask those who recorded it");
+            let message = format!("a recording of `{}` has no source", page.name);
+            return refused(message, "the page names none", "ask those who recorded it");
         };
         let Some(blake3) = recording.blake3.as_deref().filter(|hash| is_hash(hash)) else {
-            let why =
+            let reason =
                 "without the BLAKE3 of its bytes (64 hexadecimal digits) a file that was altered is not recognised";
-            return refused(format!("the source {source:?} has no checksum"), why, "add `blake3` to the [[recording]]");
+            return refused(
+                format!("the source {source:?} has no checksum"),
+                reason,
+                "add `blake3` to the [[recording]]",
+            );
         };
         if !source.starts_with("https://") || source.contains(|c: char| c.is_whitespace() || c.is_control()) {
-            let what = format!("the source {source:?} is not an https address");
-            return refused(what, "recordings are downloaded from public sources only", "correct `source` on the page");
-        }
-        let place = folder.join(file);
-        if !place.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
-            let what = format!("{} lies outside of the project", place.display());
+            let message = format!("the source {source:?} is not an https address");
             return refused(
-                what,
+                message,
+                "recordings are downloaded from public sources only",
+                "correct `source` on the page",
+            );
+        }
+        let relative_path = folder.join(file);
+        if !relative_path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+            let message = format!("{} lies outside of the project", relative_path.display());
+            return refused(
+                message,
                 "downloads are written below the project's folder",
                 "correct `folders` and `files` on the page",
             );
         }
-        Ok(Self { source, blake3, place: root.join(place) })
+        Ok(Self { source, blake3, place: root.join(relative_path) })
     }
 
     /// Downloads beside the place, compares the checksum, and only then puts the file there.
     fn run(&self, root: &Path) -> Result<PathBuf> {
         let unfinished = self.place.with_extension("unfinished");
-        let ended =
-            self.folder_within(root).and_then(|()| self.transfer(&unfinished)).and_then(|()| self.accept(&unfinished));
+        let ended = self
+            .folder_within(root)
+            .and_then(|()| self.transfer_file(&unfinished))
+            .and_then(|()| self.accept_file(&unfinished));
         if ended.is_err() {
             // Where nothing was written there is nothing to remove.
             let _ = std::fs::remove_file(&unfinished);
@@ -92,9 +102,9 @@ impl<'a> Download<'a> {
     /// Makes the folder, and refuses one that a link leads out of the project.
     fn folder_within(&self, root: &Path) -> Result<()> {
         let folder = self.place.parent().unwrap_or(root);
-        std::fs::create_dir_all(folder).map_err(|e| self.lost(e))?;
+        std::fs::create_dir_all(folder).map_err(|e| self.write_failure(e))?;
         let [inner, outer] = [folder, root].map(Path::canonicalize);
-        match inner.map_err(|e| self.lost(e))?.starts_with(outer.map_err(|e| self.lost(e))?) {
+        match inner.map_err(|e| self.write_failure(e))?.starts_with(outer.map_err(|e| self.write_failure(e))?) {
             true => Ok(()),
             false => Err(Diagnostic::new(
                 format!("{} lies outside of the project", folder.display()),
@@ -104,34 +114,34 @@ impl<'a> Download<'a> {
         }
     }
 
-    fn transfer(&self, to: &Path) -> Result<()> {
-        let ended = Command::new("curl").args(OPTIONS).arg("-o").arg(to).arg("--").arg(self.source).output();
-        let why = match ended {
+    fn transfer_file(&self, destination: &Path) -> Result<()> {
+        let ended = Command::new("curl").args(OPTIONS).arg("-o").arg(destination).arg("--").arg(self.source).output();
+        let reason = match ended {
             Ok(output) if output.status.success() => return Ok(()),
             Ok(output) => String::from_utf8_lossy(&output.stderr).trim().to_owned(),
             Err(e) => format!("curl cannot be run: {e}"),
         };
         let next = format!("download it elsewhere and put it at {}", self.place.display());
-        Err(Diagnostic::new(format!("{} cannot be fetched", self.source), why, next))
+        Err(Diagnostic::new(format!("{} cannot be fetched", self.source), reason, next))
     }
 
-    fn accept(&self, unfinished: &Path) -> Result<()> {
-        let bytes = std::fs::read(unfinished).map_err(|e| self.lost(e))?;
+    fn accept_file(&self, unfinished: &Path) -> Result<()> {
+        let bytes = std::fs::read(unfinished).map_err(|e| self.write_failure(e))?;
         let hash = blake3::hash(&bytes).to_hex().to_string();
         if !hash.eq_ignore_ascii_case(self.blake3) {
-            let why = format!("its BLAKE3 is {hash}; the page has {}", self.blake3);
+            let reason = format!("its BLAKE3 is {hash}; the page has {}", self.blake3);
             return Err(Diagnostic::new(
                 format!("{} is not what was published", self.source),
-                why,
+                reason,
                 "ask its publisher",
             ));
         }
-        std::fs::rename(unfinished, &self.place).map_err(|e| self.lost(e))
+        std::fs::rename(unfinished, &self.place).map_err(|e| self.write_failure(e))
     }
 
-    fn lost(&self, e: std::io::Error) -> Diagnostic {
-        let what = format!("{} cannot be written", self.place.display());
-        Diagnostic::new(what, &e, "correct the folder's permissions").caused_by(e)
+    fn write_failure(&self, e: std::io::Error) -> Diagnostic {
+        let message = format!("{} cannot be written", self.place.display());
+        Diagnostic::new(message, &e, "correct the folder's permissions").caused_by(e)
     }
 }
 

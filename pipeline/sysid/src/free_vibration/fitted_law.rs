@@ -26,22 +26,22 @@ impl Report {
     /// Every law of the ladder, from the simplest to the richest.
     pub fn laws(&self) -> Vec<FittedLaw> {
         let best = supported(&self.results);
-        self.results.iter().enumerate().map(|(n, result)| self.law(result, n == best)).collect()
+        self.results.iter().enumerate().map(|(n, result)| self.fitted_law(result, n == best)).collect()
     }
 
-    fn law(&self, result: &LawResult, supported: bool) -> FittedLaw {
+    fn fitted_law(&self, result: &LawResult, supported: bool) -> FittedLaw {
         let fitted = &result.joint.fitted;
         let scales: Vec<_> = fitted.law.parameters.iter().map(|quantity| quantity.scale(self.page.range)).collect();
         // The search runs in the logarithm of positive parameters: dθ = θ d(ln θ).
         let slope = |(scale, value): (&super::laws::Scale, &f64)| if scale.logarithmic { *value } else { 1.0 };
         let slopes = DMatrix::from_diagonal(&DVector::from_vec(scales.iter().zip(&fitted.values).map(slope).collect()));
         let count = scales.len();
-        let own = fitted.covariance.view((0, 0), (count, count));
+        let law_covariance = fitted.covariance.view((0, 0), (count, count));
         FittedLaw {
             name: fitted.law.name,
             parameters: scales.iter().map(|scale| (scale.name, scale.unit)).collect(),
             mean: fitted.values.clone(),
-            covariance: &slopes * own * &slopes,
+            covariance: &slopes * law_covariance * &slopes,
             criterion: result.criterion,
             supported,
         }

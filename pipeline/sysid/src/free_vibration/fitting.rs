@@ -61,38 +61,38 @@ pub(super) struct Fit<'a> {
 }
 
 impl Fit<'_> {
-    fn scales(&self) -> Vec<Scale> {
+    fn parameter_scales(&self) -> Vec<Scale> {
         self.law.parameters.iter().map(|quantity| quantity.scale(self.page.range)).collect()
     }
 
     /// Parameters of the law at a point of the search, SI.
-    pub fn values(&self, at: &[f64]) -> Vec<f64> {
-        let of = |(scale, x): (Scale, &f64)| if scale.logarithmic { x.exp() } else { *x };
-        self.scales().into_iter().zip(at).map(of).collect()
+    pub fn values(&self, point: &[f64]) -> Vec<f64> {
+        let parameter_value = |(scale, x): (Scale, &f64)| if scale.logarithmic { x.exp() } else { *x };
+        self.parameter_scales().into_iter().zip(point).map(parameter_value).collect()
     }
 
     /// Ramp and shift of recording `k` at a point of the search, s.
-    fn release(&self, at: &[f64], k: usize) -> [Second; 2] {
+    fn ramp_and_shift(&self, point: &[f64], k: usize) -> [Second; 2] {
         let first = self.law.parameters.len() + 2 * k;
-        [at[first], at[first + 1]]
+        [point[first], point[first + 1]]
     }
 
     /// The ramp to expect of a release under `condition`, s: the mean of those fitted under it, or of all.
-    pub(super) fn expected_ramp(&self, at: &[f64], condition: &Condition) -> Second {
-        let own = |k: &usize| std::ptr::eq(self.trials[*k].condition, condition);
-        let mut like: Vec<usize> = (0..self.trials.len()).filter(own).collect();
+    pub(super) fn expected_ramp(&self, point: &[f64], condition: &Condition) -> Second {
+        let same_condition = |k: &usize| std::ptr::eq(self.trials[*k].condition, condition);
+        let mut like: Vec<usize> = (0..self.trials.len()).filter(same_condition).collect();
         if like.is_empty() {
             like = (0..self.trials.len()).collect();
         }
-        like.iter().map(|k| self.release(at, *k)[0]).sum::<f64>() / like.len() as f64
+        like.iter().map(|k| self.ramp_and_shift(point, *k)[0]).sum::<f64>() / like.len() as f64
     }
 
-    fn problem(&self) -> Result<Problem> {
+    fn search_problem(&self) -> Result<Problem> {
         let line = |scale: &Scale, x: f64| if scale.logarithmic { x.ln() } else { x };
-        let scales = self.scales();
+        let scales = self.parameter_scales();
         let (mut start, mut bounds) = (Vec::new(), Bounds { low: Vec::new(), high: Vec::new() });
-        let mut add = |from: f64, low: f64, high: f64| {
-            start.push(from);
+        let mut add = |initial: f64, low: f64, high: f64| {
+            start.push(initial);
             bounds.low.push(low);
             bounds.high.push(high);
         };
@@ -101,13 +101,13 @@ impl Fit<'_> {
             add(RAMP_START, RAMP[0], RAMP[1]);
             add(SHIFT_START, SHIFT[0], SHIFT[1]);
         }
-        let names = self.names();
+        let names = self.parameter_names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         Problem::new(&names, start, bounds).map_err(Diagnostic::from)
     }
 
-    fn names(&self) -> Vec<String> {
-        let law = self.scales().into_iter().map(|scale| scale.name.to_owned());
+    fn parameter_names(&self) -> Vec<String> {
+        let law = self.parameter_scales().into_iter().map(|scale| scale.name.to_owned());
         let each = self.trials.iter().flat_map(|trial| {
             let name = &trial.recorded.name;
             [format!("ramp of {name}"), format!("shift of {name}")]
@@ -116,9 +116,9 @@ impl Fit<'_> {
     }
 
     /// Simulated displacement of recording `k` at the times of its frames, m.
-    fn simulated(&self, at: &[f64], k: usize) -> Result<Vec<f64>> {
-        let [ramp, shift] = self.release(at, k);
-        let properties = self.law.properties(&self.values(at), self.page.modulus_time)?;
+    fn simulated_fall(&self, point: &[f64], k: usize) -> Result<Vec<f64>> {
+        let [ramp, shift] = self.ramp_and_shift(point, k);
+        let properties = self.law.properties(&self.values(point), self.page.modulus_time)?;
         let Trial { recorded, condition } = self.trials[k];
         let times = times(self.page, recorded.fall.end() - shift.min(0.0) + self.page.step);
         let fall = condition.fall(&properties, ramp, &times)?;
@@ -128,18 +128,18 @@ impl Fit<'_> {
     }
 
     /// Residuals of all recordings and their Jacobian, by forward differences.
-    fn evaluate(&self, at: &[f64]) -> Result<Evaluation> {
+    fn evaluate_point(&self, point: &[f64]) -> Result<Evaluation> {
         let law = self.law.parameters.len();
         let jobs: Vec<(usize, Option<usize>)> = (0..self.trials.len())
             .flat_map(|k| {
-                let own = law + 2 * k..law + 2 * k + 2;
-                std::iter::once((k, None)).chain((0..law).chain(own).map(move |p| (k, Some(p))))
+                let release_parameters = law + 2 * k..law + 2 * k + 2;
+                std::iter::once((k, None)).chain((0..law).chain(release_parameters).map(move |p| (k, Some(p))))
             })
             .collect();
         let simulate = |&(k, perturbed): &(usize, Option<usize>)| {
-            let mut at = at.to_vec();
-            perturbed.iter().for_each(|p| at[*p] += DIFFERENCE);
-            self.simulated(&at, k)
+            let mut perturbed_point = point.to_vec();
+            perturbed.iter().for_each(|p| perturbed_point[*p] += DIFFERENCE);
+            self.simulated_fall(&perturbed_point, k)
         };
         let simulated: Vec<Vec<f64>> = jobs.par_iter().map(simulate).collect::<Result<_>>()?;
         let mut residuals = Residuals { values: Vec::new(), jacobian: Vec::new() };
@@ -148,15 +148,15 @@ impl Fit<'_> {
             let scale = 1.0 / self.trials[k].recorded.deflection().abs();
             for (i, measured) in self.trials[k].recorded.fall.values().iter().enumerate() {
                 residuals.values.push(scale * (simulated[0][i] - measured));
-                let mut row = vec![0.0; at.len()];
+                let mut row = vec![0.0; point.len()];
                 for (job, (_, perturbed)) in jobs[k * each..(k + 1) * each].iter().enumerate() {
                     perturbed.iter().for_each(|p| row[*p] = scale * (simulated[job][i] - simulated[0][i]) / DIFFERENCE);
                 }
                 residuals.jacobian.extend(row);
             }
         }
-        let (loss, gradient) = (residuals.half_sum_of_squares(), Some(residuals.gradient(at.len())));
-        Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals: Some(residuals) })
+        let (loss, gradient) = (residuals.half_sum_of_squares(), Some(residuals.gradient(point.len())));
+        Ok(Evaluation { at: point.to_vec(), loss, gradient, residuals: Some(residuals) })
     }
 
     /// Fits the law to all recordings.
@@ -164,26 +164,26 @@ impl Fit<'_> {
     /// # Errors
     /// A [`Diagnostic`] when a motion is not found or the recordings do not determine the parameters.
     pub fn run(&self) -> Result<Fitted> {
-        let problem = self.problem()?;
+        let problem = self.search_problem()?;
         let settings = Settings { damping: 1e-2, step_tolerance: 1e-3, iterations: 40, ..Settings::default() };
         let mut optimiser = GaussNewton::new(&problem, &settings)?;
         let mut diagnostic = None;
         let log = minimise(&mut optimiser, &mut |batch: &[Vec<f64>], _: Needs| {
-            let answers: Result<Vec<_>> = batch.iter().map(|at| self.evaluate(at)).collect();
-            answers.map_err(|lost| {
-                diagnostic = Some(lost.while_doing(self.law.name));
+            let answers: Result<Vec<_>> = batch.iter().map(|point| self.evaluate_point(point)).collect();
+            answers.map_err(|error| {
+                diagnostic = Some(error.while_doing(self.law.name));
                 OptimiseError::Length { what: "the answers", found: 0, expected: batch.len() }
             })
         });
         let best = log.map_err(|e| diagnostic.unwrap_or_else(|| Diagnostic::from(e)))?.best;
         let residuals = best.residuals.unwrap_or(Residuals { values: Vec::new(), jacobian: Vec::new() });
-        Ok(self.posterior(&problem, best.at, &residuals))
+        Ok(self.fit_posterior(&problem, best.at, &residuals))
     }
 
-    fn posterior(&self, problem: &Problem, at: Vec<f64>, residuals: &Residuals) -> Fitted {
-        let (count, parameters) = (residuals.values.len(), at.len());
+    fn fit_posterior(&self, problem: &Problem, point: Vec<f64>, residuals: &Residuals) -> Fitted {
+        let (count, parameters) = (residuals.values.len(), point.len());
         let jacobian = DMatrix::from_row_slice(count, parameters, &residuals.jacobian);
-        let (correlation, rate) = (correlation(self, &residuals.values), self.trials[0].recorded.fall.rate());
+        let (correlation, rate) = (correlation_frames(self, &residuals.values), self.trials[0].recorded.fall.rate());
         let independent = (count as f64 / correlation).max(parameters as f64 + 1.0);
         let variance = 2.0 * residuals.half_sum_of_squares() / count as f64 * independent
             / (independent - parameters as f64).max(1.0);
@@ -192,20 +192,21 @@ impl Fit<'_> {
         let mut information = jacobian.tr_mul(&jacobian) / (variance * correlation);
         (0..parameters).for_each(|p| information[(p, p)] += 12.0 / (width(p) * width(p)));
         let covariance = information.try_inverse().unwrap_or_else(|| DMatrix::identity(parameters, parameters));
-        let near = |p: &usize| {
+        let near_bound = |p: &usize| {
             let (low, high) = (problem.bounds().low[*p], problem.bounds().high[*p]);
-            (at[*p] - low).min(high - at[*p]) < 1e-4 * (high - low)
+            (point[*p] - low).min(high - point[*p]) < 1e-4 * (high - low)
         };
-        let on_bounds = (0..self.law.parameters.len()).filter(near).map(|p| self.names()[p].clone()).collect();
+        let on_bounds =
+            (0..self.law.parameters.len()).filter(near_bound).map(|p| self.parameter_names()[p].clone()).collect();
         Fitted {
             law: self.law,
-            values: self.values(&at),
+            values: self.values(&point),
             covariance,
             discrepancy: (2.0 * residuals.half_sum_of_squares() / count as f64).sqrt(),
             correlation_time: correlation / rate,
             independent,
             on_bounds,
-            at,
+            at: point,
         }
     }
 }
@@ -218,26 +219,26 @@ impl Fitted {
 }
 
 /// Frames that count as one independent one, the mean of all recordings.
-fn correlation(fit: &Fit, residuals: &[f64]) -> f64 {
-    let mut rest = residuals;
+fn correlation_frames(fit: &Fit, residuals: &[f64]) -> f64 {
+    let mut remaining = residuals;
     let mut sum = 0.0;
     for trial in &fit.trials {
-        let (own, after) = rest.split_at(trial.recorded.fall.values().len());
-        rest = after;
-        sum += integrated_correlation(own);
+        let (recording_residuals, following) = remaining.split_at(trial.recorded.fall.values().len());
+        remaining = following;
+        sum += integrated_correlation(recording_residuals);
     }
     sum / fit.trials.len() as f64
 }
 
 /// The value at a time between samples; that of the first before it.
-pub(crate) fn interpolated(times: &[Second], values: &[f64], at: Second) -> f64 {
-    let next = times.partition_point(|time| *time < at);
+pub(crate) fn interpolated(times: &[Second], values: &[f64], time: Second) -> f64 {
+    let next = times.partition_point(|sample| *sample < time);
     // a motion that ends at once has one sample
     if next == 0 || times.len() == 1 {
         return values[0];
     }
     let next = next.min(times.len() - 1);
-    let part = (at - times[next - 1]) / (times[next] - times[next - 1]);
+    let part = (time - times[next - 1]) / (times[next] - times[next - 1]);
     values[next - 1] + part * (values[next] - values[next - 1])
 }
 
@@ -245,11 +246,11 @@ pub(crate) fn interpolated(times: &[Second], values: &[f64], at: Second) -> f64 
 ///
 /// # Errors
 /// A [`Diagnostic`] when no motion is found.
-pub(super) fn predicted(page: &Page, (law, values): (Law, &[f64]), ramp: Second, of: Trial) -> Result<Series> {
+pub(super) fn predicted(page: &Page, (law, values): (Law, &[f64]), ramp: Second, trial: Trial) -> Result<Series> {
     let properties = law.properties(values, page.modulus_time)?;
-    let recorded = &of.recorded.fall;
+    let recorded = &trial.recorded.fall;
     let times = times(page, recorded.end() + page.step);
-    let fall = of.condition.fall(&properties, ramp.max(RAMP[0]), &times)?;
+    let fall = trial.condition.fall(&properties, ramp.max(RAMP[0]), &times)?;
     let values = (0..recorded.values().len()).map(|i| interpolated(&times, &fall, recorded.time(i))).collect();
     Series::new(0.0, recorded.rate(), values).map_err(Diagnostic::from)
 }
@@ -287,7 +288,7 @@ mod tests {
         let fit = Fit { page: &page, law: LADDER[0], trials };
         let values = (0..400).map(|i| if (i / alike).is_multiple_of(2) { 0.7 } else { -0.7 }).collect();
         let jacobian = (0..1600).map(|k| f64::from(u8::from(k % 4 == k / 4 % 4))).collect();
-        fit.posterior(&fit.problem().unwrap(), at, &Residuals { values, jacobian })
+        fit.fit_posterior(&fit.search_problem().unwrap(), at, &Residuals { values, jacobian })
     }
 
     #[test]

@@ -46,12 +46,12 @@ pub(super) struct LawResult {
 impl LawResult {
     /// Root mean square of the differences at the recordings that were left out; none when only one is fitted.
     pub(super) fn left_out_difference(&self) -> Option<f64> {
-        let of = |row: &Row| {
+        let omitted_difference = |row: &Row| {
             let omitted = self.joint.used.iter().find(|k| !row.used.contains(k)).copied().unwrap_or_default();
             row.predictions[omitted].difference.powi(2)
         };
         let count = self.left_out.len();
-        (count > 0).then(|| (self.left_out.iter().map(of).sum::<f64>() / count as f64).sqrt())
+        (count > 0).then(|| (self.left_out.iter().map(omitted_difference).sum::<f64>() / count as f64).sqrt())
     }
 }
 
@@ -65,7 +65,7 @@ pub(super) struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn trial(&self, k: usize) -> Trial<'_> {
+    fn recording_trial(&self, k: usize) -> Trial<'_> {
         Trial { recorded: &self.recorded[k], condition: &self.conditions[self.of[k]] }
     }
 
@@ -75,7 +75,8 @@ impl Bench<'_> {
     /// A diagnostic when a motion is not found.
     pub(super) fn fit_all(&self) -> Result<Vec<LawResult>> {
         let used: Vec<usize> = (0..self.recorded.len()).filter(|k| self.page.recording[*k].fitted).collect();
-        let mut results: Vec<LawResult> = LADDER.iter().map(|law| self.result(*law, &used)).collect::<Result<_>>()?;
+        let mut results: Vec<LawResult> =
+            LADDER.iter().map(|law| self.law_result(*law, &used)).collect::<Result<_>>()?;
         // The laws are compared by residuals of one correlation time, that of the richest.
         let independent = results.last().map_or(1.0, |result| result.joint.fitted.independent);
         let criteria: Vec<f64> =
@@ -85,24 +86,24 @@ impl Bench<'_> {
         Ok(results)
     }
 
-    fn result(&self, law: Law, used: &[usize]) -> Result<LawResult> {
+    fn law_result(&self, law: Law, used: &[usize]) -> Result<LawResult> {
         let without = |omitted: &usize| used.iter().copied().filter(|k| k != omitted).collect::<Vec<_>>();
         let left_out = if used.len() > 1 { used.iter().map(without).collect() } else { Vec::new() };
-        let left_out = left_out.iter().map(|used| self.row(law, used)).collect::<Result<_>>()?;
-        Ok(LawResult { joint: self.row(law, used)?, left_out, criterion: 0.0 })
+        let left_out = left_out.iter().map(|used| self.fit_row(law, used)).collect::<Result<_>>()?;
+        Ok(LawResult { joint: self.fit_row(law, used)?, left_out, criterion: 0.0 })
     }
 
-    fn row(&self, law: Law, used: &[usize]) -> Result<Row> {
-        let fit = Fit { page: self.page, law, trials: used.iter().map(|k| self.trial(*k)).collect() };
+    fn fit_row(&self, law: Law, used: &[usize]) -> Result<Row> {
+        let fit = Fit { page: self.page, law, trials: used.iter().map(|k| self.recording_trial(*k)).collect() };
         let fitted = fit.run()?;
-        let predict = |k: usize| self.prediction(&fit, &fitted, k);
+        let predict = |k: usize| self.predict_recording(&fit, &fitted, k);
         let predictions = (0..self.recorded.len()).into_par_iter().map(predict).collect::<Result<_>>()?;
         Ok(Row { used: used.to_vec(), fitted, predictions })
     }
 
     /// What a fit says of recording `k`, released as the fitted ones of its case were on the mean.
-    fn prediction(&self, fit: &Fit, fitted: &Fitted, k: usize) -> Result<Prediction> {
-        let trial = self.trial(k);
+    fn predict_recording(&self, fit: &Fit, fitted: &Fitted, k: usize) -> Result<Prediction> {
+        let trial = self.recording_trial(k);
         let ramp = fit.expected_ramp(&fitted.at, trial.condition);
         let fall = predicted(self.page, (fitted.law, &fitted.values), ramp, trial)?;
         let features = Features::of(self.page, &fall)?;
@@ -113,32 +114,33 @@ impl Bench<'_> {
 
     /// Half widths of the 95 % intervals: the parameters' covariance, the scatter of releases, the discrepancy of displacements and the
     /// measurement itself.
-    fn half_widths(&self, fit: &Fit, fitted: &Fitted, trial: Trial, at: Features) -> Result<[f64; 4]> {
+    fn half_widths(&self, fit: &Fit, fitted: &Fitted, trial: Trial, prediction: Features) -> Result<[f64; 4]> {
         let law = fitted.law.parameters.len();
         let ramp = fit.expected_ramp(&fitted.at, trial.condition);
         let features = |values: &[f64], ramp: f64| -> Result<[f64; 4]> {
             let fall = predicted(self.page, (fitted.law, values), ramp, trial)?;
             Ok(Features::of(self.page, &fall)?.to_array())
         };
-        let here = at.to_array();
+        let nominal = prediction.to_array();
         let mut slopes = Vec::new();
         for p in 0..law {
             let step = (0.3 * fitted.covariance[(p, p)].sqrt()).clamp(1e-4, 0.05);
-            let mut moved = fitted.at.clone();
-            moved[p] += step;
-            let there = features(&fit.values(&moved), ramp)?;
-            slopes.push([0, 1, 2, 3].map(|n| (there[n] - here[n]) / step));
+            let mut perturbed = fitted.at.clone();
+            perturbed[p] += step;
+            let perturbed_features = features(&fit.values(&perturbed), ramp)?;
+            slopes.push([0, 1, 2, 3].map(|n| (perturbed_features[n] - nominal[n]) / step));
         }
         let step = 2e-3;
         let longer = features(&fitted.values, ramp + step)?;
-        let by_ramp = [0, 1, 2, 3].map(|n| (longer[n] - here[n]) / step);
+        let by_ramp = [0, 1, 2, 3].map(|n| (longer[n] - nominal[n]) / step);
         let ramp_variance = ramp_variance(fitted, fit.trials.len());
-        let own = at.measurement_sigma(self.page.sigma);
+        let measurement_sigma = prediction.measurement_sigma(self.page.sigma);
         Ok([0, 1, 2, 3].map(|n| {
             let pairs = (0..law).flat_map(|p| (0..law).map(move |q| (p, q)));
             let parameters: f64 = pairs.map(|(p, q)| slopes[p][n] * fitted.covariance[(p, q)] * slopes[q][n]).sum();
-            let discrepancy = if n == 1 || n == 2 { fitted.discrepancy * here[1] } else { 0.0 };
-            let variance = parameters + by_ramp[n].powi(2) * ramp_variance + discrepancy.powi(2) + own[n].powi(2);
+            let discrepancy = if n == 1 || n == 2 { fitted.discrepancy * nominal[1] } else { 0.0 };
+            let variance =
+                parameters + by_ramp[n].powi(2) * ramp_variance + discrepancy.powi(2) + measurement_sigma[n].powi(2);
             WITHIN_95 * variance.max(0.0).sqrt()
         }))
     }
@@ -149,10 +151,11 @@ fn ramp_variance(fitted: &Fitted, trials: usize) -> f64 {
     let first = fitted.law.parameters.len();
     let ramps: Vec<f64> = (0..trials).map(|k| fitted.at[first + 2 * k]).collect();
     let mean = ramps.iter().sum::<f64>() / trials as f64;
-    let own = (0..trials).map(|k| fitted.covariance[(first + 2 * k, first + 2 * k)]).sum::<f64>() / trials as f64;
+    let mean_variance =
+        (0..trials).map(|k| fitted.covariance[(first + 2 * k, first + 2 * k)]).sum::<f64>() / trials as f64;
     let scatter = ramps.iter().map(|ramp| (ramp - mean).powi(2)).sum::<f64>();
     // One release does not show how others differ: they are taken to differ by half of it.
-    own + if trials > 1 { scatter / (trials - 1) as f64 } else { 0.25 * mean * mean }
+    mean_variance + if trials > 1 { scatter / (trials - 1) as f64 } else { 0.25 * mean * mean }
 }
 
 /// The law that the recordings support: the least difference at recordings that were left out, where at least two remain to be

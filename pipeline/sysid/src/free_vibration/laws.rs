@@ -89,7 +89,9 @@ impl Law {
     /// # Errors
     /// A diagnostic when a spectrum is refused.
     pub fn properties(&self, values: &[f64], modulus_time: Second) -> Result<Properties> {
-        let value = |of: Quantity| self.parameters.iter().position(|is| *is == of).map(|at| values[at]);
+        let value = |quantity: Quantity| {
+            self.parameters.iter().position(|parameter| *parameter == quantity).map(|index| values[index])
+        };
         let branch = value(BranchStrength).zip(value(BranchTime));
         let springpot = value(SpringpotStrength).zip(value(SpringpotExponent));
         let relaxation = match (branch, springpot) {

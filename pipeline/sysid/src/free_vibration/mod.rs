@@ -57,10 +57,10 @@ pub struct Report {
 /// A [`diagnostics::Diagnostic`]: the page, a recording, a case or its mesh is refused, a shape or motion cannot be found, or it was interrupted.
 pub fn run(root: &Path, path: &Path, out: Option<&Path>, interrupt: Option<Interrupt>) -> Result<(Report, PathBuf)> {
     let page = Page::read(path)?;
-    evaluated(page, root, path, (out, interrupt)).map_err(|refused| refused.in_file_unless_named(path))
+    evaluate_page(page, root, path, (out, interrupt)).map_err(|refused| refused.in_file_unless_named(path))
 }
 
-fn evaluated(
+fn evaluate_page(
     page: Page,
     root: &Path,
     path: &Path,
@@ -68,11 +68,11 @@ fn evaluated(
 ) -> Result<(Report, PathBuf)> {
     let recorded = recorded::read(&page, root)?;
     let measured = recorded.iter().map(|r| Features::of(&page, &r.fall)).collect::<Result<Vec<_>>>()?;
-    let (cases, of) = cases(&page);
+    let (cases, case_numbers) = page_cases(&page);
     let folder = path.parent().unwrap_or(Path::new("."));
     let condition = |case: &String| Condition::new(&page, &folder.join(case), interrupt.clone());
     let conditions: Vec<Condition> = cases.par_iter().map(condition).collect::<Result<_>>()?;
-    let results = Bench { page: &page, recorded: &recorded, conditions: &conditions, of }.fit_all()?;
+    let results = Bench { page: &page, recorded: &recorded, conditions: &conditions, of: case_numbers }.fit_all()?;
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
     let report = Report { page, recorded, measured, results };
     shown::write(&report, &folder)?;
@@ -80,17 +80,17 @@ fn evaluated(
 }
 
 /// The different cases of a page, and which of them each recording has.
-fn cases(page: &Page) -> (Vec<String>, Vec<usize>) {
-    let (mut cases, mut of): (Vec<String>, Vec<usize>) = (Vec::new(), Vec::new());
+fn page_cases(page: &Page) -> (Vec<String>, Vec<usize>) {
+    let (mut cases, mut case_numbers): (Vec<String>, Vec<usize>) = (Vec::new(), Vec::new());
     for recording in &page.recording {
         let case = recording.case.as_ref().unwrap_or(&page.case);
-        let at = cases.iter().position(|known| known == case).unwrap_or_else(|| {
+        let case_number = cases.iter().position(|known| known == case).unwrap_or_else(|| {
             cases.push(case.clone());
             cases.len() - 1
         });
-        of.push(at);
+        case_numbers.push(case_number);
     }
-    (cases, of)
+    (cases, case_numbers)
 }
 
 #[cfg(test)]
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn recordings_share_the_case_of_the_page_or_have_their_own() {
-        let (cases, of) = cases(&testing::page());
+        let (cases, of) = page_cases(&testing::page());
         assert_eq!((cases, of), (vec!["weight.toml".to_owned(), "light.toml".to_owned()], vec![0, 0, 1]));
     }
 

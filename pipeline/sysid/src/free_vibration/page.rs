@@ -115,16 +115,17 @@ impl Page {
     /// # Errors
     /// [`Diagnostic`] when it has an unknown or missing key, or an invalid number.
     pub fn parse(text: &str, path: &Path) -> Result<Self, Diagnostic> {
-        table::parse(text, path, SEE, Self::check)
+        table::parse(text, path, SEE, Self::check_page)
     }
 
-    fn check(&self) -> Checked {
-        self.slip().map_or(Ok(()), |slip| violation("", slip, "no fit is possible with it", "correct the page"))?;
-        self.ranges()
+    fn check_page(&self) -> Checked {
+        self.first_invalid()
+            .map_or(Ok(()), |slip| violation("", slip, "no fit is possible with it", "correct the page"))?;
+        self.check_ranges()
     }
 
     /// Holds every number to the range of a test on a bench: a slip of a unit lies outside.
-    fn ranges(&self) -> Checked {
+    fn check_ranges(&self) -> Checked {
         within("held", self.held, 1e-3..=3600.0, "s")?;
         within("modulus_time", self.modulus_time, 1e-3..=1e6, "s")?;
         within("settled", self.settled, 1e-3..=3600.0, "s")?;
@@ -144,7 +145,7 @@ impl Page {
     }
 
     /// The first invalid entry.
-    fn slip(&self) -> Option<String> {
+    fn first_invalid(&self) -> Option<String> {
         let [low, high] = self.range;
         let rules = [
             (!(low > 0.0 && high > low), "`range` is not two rising moduli, Pa"),
@@ -159,7 +160,7 @@ impl Page {
             (!(self.step > 0.0 && self.sigma > 0.0), "`step` and `sigma` are not positive"),
             (!(self.swing[0] >= 0.0 && self.swing[1] > self.swing[0]), "`swing` is not two rising times, s"),
         ];
-        rules.iter().find(|(broken, _)| *broken).map(|(_, what)| (*what).to_owned())
+        rules.iter().find(|(broken, _)| *broken).map(|(_, message)| (*message).to_owned())
     }
 }
 

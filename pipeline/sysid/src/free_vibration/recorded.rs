@@ -52,7 +52,7 @@ pub struct FreeVibration {
 pub fn read(page: &Page, root: &Path) -> Result<Vec<Recorded>> {
     page.recording
         .iter()
-        .map(|recording| one(page, recording, &find(&page.name, &page.folders, &recording.files, root)?))
+        .map(|recording| read_recording(page, recording, &find(&page.name, &page.folders, &recording.files, root)?))
         .collect()
 }
 
@@ -61,23 +61,25 @@ pub fn read(page: &Page, root: &Path) -> Result<Vec<Recorded>> {
 /// # Errors
 /// A [`Diagnostic`] with the searched folders and the command that downloads it.
 pub(crate) fn find(name: &str, folders: &[PathBuf], files: &[String], root: &Path) -> Result<PathBuf> {
-    let places = folders.iter().flat_map(|folder| files.iter().map(move |f| root.join(folder).join(f)));
-    places.clone().find(|place| place.is_file()).ok_or_else(|| {
-        let tried: Vec<String> = places.map(|place| place.display().to_string()).collect();
+    let candidates = folders.iter().flat_map(|folder| files.iter().map(move |f| root.join(folder).join(f)));
+    candidates.clone().find(|candidate| candidate.is_file()).ok_or_else(|| {
+        let tried: Vec<String> = candidates.map(|candidate| candidate.display().to_string()).collect();
         let next =
             format!("study fetch {name} downloads it from its public source; or put it into one of these folders");
         Diagnostic::new(format!("a recording of `{name}` is not there"), format!("searched {}", tried.join(", ")), next)
     })
 }
 
-fn one(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
+fn read_recording(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
     let (rate, tracks) = tracks(&page.marker, path)?;
     let frames = tracks[0].len();
-    let phases = Phases::of(page, recording, rate, frames).ok_or_else(|| unfitting(path, frames as f64 / rate))?;
-    let moved = moved(page, &tracks, phases.held);
-    let mean = |i: usize| moved.iter().map(|m| m[i]).sum::<f64>() / moved.len() as f64;
+    let phases =
+        Phases::of(page, recording, rate, frames).ok_or_else(|| phase_diagnostic(path, frames as f64 / rate))?;
+    let displacements = compared_displacements(page, &tracks, phases.held);
+    let mean = |i: usize| displacements.iter().map(|m| m[i]).sum::<f64>() / displacements.len() as f64;
     let fall = (phases.release..tracks[0].len()).map(mean).collect();
-    let settled = moved.iter().map(|m| m[phases.rest..].iter().sum::<f64>() / (m.len() - phases.rest) as f64).collect();
+    let settled =
+        displacements.iter().map(|m| m[phases.rest..].iter().sum::<f64>() / (m.len() - phases.rest) as f64).collect();
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Recorded { name, fall: Series::new(0.0, rate, fall)?, settled })
 }
@@ -91,8 +93,8 @@ pub(crate) fn tracks(markers: &[Marker], path: &Path) -> Result<(f64, Vec<Vec<Po
         .map_err(|e| Diagnostic::io(path, e, "name a file of tracks, .csv or .c3d, on the page"))?;
     let space = lab::space::read(&bytes, path)?;
     let track = |marker: &Marker| -> Result<Vec<Point3>> {
-        let known = |name: &&String| space.markers.iter().any(|seen| seen.name.trim() == name.trim());
-        let name = marker.names.iter().find(known).unwrap_or(&marker.names[0]);
+        let is_recorded = |name: &&String| space.markers.iter().any(|recorded| recorded.name.trim() == name.trim());
+        let name = marker.names.iter().find(is_recorded).unwrap_or(&marker.names[0]);
         space.complete(name, path)
     };
     let rate = (space.time.len() - 1) as f64 / (space.time[space.time.len() - 1] - space.time[0]);
@@ -111,13 +113,13 @@ impl Phases {
     fn of(page: &Page, recording: &Recording, rate: f64, frames: usize) -> Option<Self> {
         let frame = |time: Second| ((time * rate).round() as usize).min(frames);
         let (held, release) = (frame(page.held), frame(recording.release));
-        let rest = frames - frame(page.settled);
-        let in_order = held > 0 && held <= release && rest > frame(recording.release + page.swing[1]);
-        in_order.then_some(Self { held, release, rest })
+        let settled_start = frames - frame(page.settled);
+        let in_order = held > 0 && held <= release && settled_start > frame(recording.release + page.swing[1]);
+        in_order.then_some(Self { held, release, rest: settled_start })
     }
 }
 
-fn unfitting(path: &Path, duration: Second) -> Diagnostic {
+fn phase_diagnostic(path: &Path, duration: Second) -> Diagnostic {
     Diagnostic::new(
         format!("{} holds {duration:.2} s", path.display()),
         "held, release, swing and settled do not fit into it in this order",
@@ -126,23 +128,28 @@ fn unfitting(path: &Path, duration: Second) -> Diagnostic {
 }
 
 /// Displacement of each compared marker along the page's axis from its position while `held`, m.
-fn moved(page: &Page, tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Metre>> {
-    let all = displacements(&page.marker, tracks, held);
-    let along = |of: Vec<Vector3<f64>>| of.iter().map(|u| u[page.along as usize]).collect();
-    all.into_iter().zip(&page.marker).filter(|(_, marker)| marker.compared).map(|(of, _)| along(of)).collect()
+fn compared_displacements(page: &Page, tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Metre>> {
+    let displacements = displacements(&page.marker, tracks, held);
+    let component = |displacement: Vec<Vector3<f64>>| displacement.iter().map(|u| u[page.along as usize]).collect();
+    displacements
+        .into_iter()
+        .zip(&page.marker)
+        .filter(|(_, marker)| marker.compared)
+        .map(|(displacement, _)| component(displacement))
+        .collect()
 }
 
 /// Displacement of each marker from its mean position during the first `held` frames, in the body's frame, m: markers × frames.
 pub(crate) fn displacements(markers: &[Marker], tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Vector3<f64>>> {
     let mean =
         |track: &Vec<Point3>| track[..held].iter().map(|p| Vector3::from(*p)).sum::<Vector3<f64>>() / held as f64;
-    let before: Vec<Vector3<f64>> = tracks.iter().map(mean).collect();
+    let initial: Vec<Vector3<f64>> = tracks.iter().map(mean).collect();
     let places: Vec<Vector3<f64>> = markers.iter().map(|marker| Vector3::from(marker.at)).collect();
-    let turn = rigid::rotation(&before, &places);
-    let of = |(track, from): (&Vec<Point3>, &Vector3<f64>)| {
-        track.iter().map(|p| turn * (Vector3::from(*p) - from)).collect()
+    let turn = rigid::rotation(&initial, &places);
+    let relative_displacement = |(track, initial_position): (&Vec<Point3>, &Vector3<f64>)| {
+        track.iter().map(|p| turn * (Vector3::from(*p) - initial_position)).collect()
     };
-    tracks.iter().zip(&before).map(of).collect()
+    tracks.iter().zip(&initial).map(relative_displacement).collect()
 }
 
 /// The free vibration in the window of the page.
@@ -151,11 +158,11 @@ pub(crate) fn displacements(markers: &[Marker], tracks: &[Vec<Point3>], held: us
 /// A [`Diagnostic`] when no decaying vibration fits it.
 pub fn vibration(page: &Page, fall: &Series) -> Result<FreeVibration> {
     let sample = |time: Second| ((time * fall.rate()).round() as usize).min(fall.values().len() - 1);
-    let [from, to] = page.swing.map(sample);
-    let window = Series::new(0.0, fall.rate(), fall.values()[from..=to].to_vec())?;
+    let [first, last] = page.swing.map(sample);
+    let window = Series::new(0.0, fall.rate(), fall.values()[first..=last].to_vec())?;
     let (when, lowest) = first_turn(fall);
-    let found = wave::free_vibration(&window, 0.5 / (second_turn(fall, when) - when))?;
-    let Some(wave) = found.waves.first() else {
+    let fit = wave::free_vibration(&window, 0.5 / (second_turn(fall, when) - when))?;
+    let Some(wave) = fit.waves.first() else {
         return Err(Diagnostic::new(
             "there is no free vibration",
             "the fit found no decaying wave",
@@ -175,26 +182,26 @@ pub fn vibration(page: &Page, fall: &Series) -> Result<FreeVibration> {
 /// both is half a period, however long the release took.
 fn second_turn(fall: &Series, first: Second) -> Second {
     let values = fall.values();
-    let from = ((first * fall.rate()).round() as usize).min(values.len() - 1);
-    let to = (from + 8 * from / 5).min(values.len() - 1);
-    let away = |i: &usize| (values[*i] - values[from]).abs();
-    let at = (from + 1..=to).max_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(to);
-    fall.time(at)
+    let extremum = ((first * fall.rate()).round() as usize).min(values.len() - 1);
+    let end = (extremum + 8 * extremum / 5).min(values.len() - 1);
+    let distance = |i: &usize| (values[*i] - values[extremum]).abs();
+    let farthest = (extremum + 1..=end).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(end);
+    fall.time(farthest)
 }
 
 /// The first extremum of a displacement: time (s) and value (m), by the parabola through the three samples around.
 fn first_turn(fall: &Series) -> (Second, Metre) {
     let values = fall.values();
-    let largest = values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let largest = values.iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
     let turns = |i: &usize| {
         let [a, b, c] = [values[i - 1], values[*i], values[i + 1]];
         b.abs() > 0.5 * largest && (b - a) * (c - b) <= 0.0
     };
-    let at = (1..values.len() - 1).find(turns).unwrap_or(1);
-    let [a, b, c] = [values[at - 1], values[at], values[at + 1]];
+    let extremum = (1..values.len() - 1).find(turns).unwrap_or(1);
+    let [a, b, c] = [values[extremum - 1], values[extremum], values[extremum + 1]];
     let bend = a - 2.0 * b + c;
-    let off = if bend == 0.0 { 0.0 } else { 0.5 * (a - c) / bend };
-    ((at as f64 + off) / fall.rate(), b - 0.25 * (a - c) * off)
+    let offset = if bend == 0.0 { 0.0 } else { 0.5 * (a - c) / bend };
+    ((extremum as f64 + offset) / fall.rate(), b - 0.25 * (a - c) * offset)
 }
 
 #[cfg(test)]

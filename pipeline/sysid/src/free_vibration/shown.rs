@@ -19,35 +19,35 @@ use diagnostics::{Diagnostic, Result};
 /// # Errors
 /// A [`Diagnostic`] when the folder cannot be written.
 pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
-    let figure = figure(report).svg()?;
+    let figure = fall_figure(report).svg()?;
     let stem = format!("real_{}", report.page.name);
-    let materials = materials(report)?;
+    let materials = materials_text(report)?;
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text);
     std::fs::create_dir_all(folder)
-        .and_then(|()| write(&format!("{stem}.csv"), &csv(report)))
+        .and_then(|()| write(&format!("{stem}.csv"), &csv_table(report)))
         .and_then(|()| write(&format!("{stem}.svg"), &figure))
         .and_then(|()| write(&file_of(&report.page.name), &materials))
         .map_err(|e| {
             Diagnostic::new(format!("{} cannot be written", folder.display()), e, "name another folder with --out")
         })?;
-    metrics_file::replace(folder, &report.page.name, metrics(report))
+    metrics_file::replace(folder, &report.page.name, metric_entries(report))
 }
 
 /// The joint fits of all laws, for other tests of the same material.
-fn materials(report: &Report) -> Result<String> {
-    let of = |result: &LawResult| -> Result<IdentifiedMaterial> {
+fn materials_text(report: &Report) -> Result<String> {
+    let material = |result: &LawResult| -> Result<IdentifiedMaterial> {
         let fitted = &result.joint.fitted;
-        let is = fitted.law.properties(&fitted.values, report.page.modulus_time)?;
+        let properties = fitted.law.properties(&fitted.values, report.page.modulus_time)?;
         Ok(IdentifiedMaterial {
             name: fitted.law.name.to_owned(),
-            youngs_modulus: is.youngs_modulus,
-            stiffening: is.stiffening,
-            mass_damping: is.mass_damping,
-            stiffness_damping: is.stiffness_damping,
-            branch: is.relaxation.branches().iter().map(|branch| [branch.strength, branch.time]).collect(),
+            youngs_modulus: properties.youngs_modulus,
+            stiffening: properties.stiffening,
+            mass_damping: properties.mass_damping,
+            stiffness_damping: properties.stiffness_damping,
+            branch: properties.relaxation.branches().iter().map(|branch| [branch.strength, branch.time]).collect(),
         })
     };
-    let law = report.results.iter().map(of).collect::<Result<_>>()?;
+    let law = report.results.iter().map(material).collect::<Result<_>>()?;
     let supported = report.results[supported(&report.results)].joint.fitted.law.name.to_owned();
     let written = toml::to_string(&IdentifiedMaterials { supported, law });
     written.map_err(|e| Diagnostic::new("the identified materials cannot be written", e, "report this as a bug"))
@@ -71,30 +71,31 @@ impl Line {
     }
 }
 
-fn lines(report: &Report) -> Vec<Line> {
+fn table_lines(report: &Report) -> Vec<Line> {
     let of_result = |result: &LawResult| {
         let rows = std::iter::once(&result.joint).chain(&result.left_out);
-        let mut all: Vec<Line> =
-            rows.flat_map(|row| parameters(report, row).into_iter().chain(predictions(report, row))).collect();
-        all.extend(quality(report, result));
-        all
+        let mut lines: Vec<Line> = rows
+            .flat_map(|row| parameter_lines(report, row).into_iter().chain(prediction_lines(report, row)))
+            .collect();
+        lines.extend(quality_lines(report, result));
+        lines
     };
     report.results.iter().flat_map(of_result).collect()
 }
 
-fn names(report: &Report, used: &[usize]) -> String {
+fn recording_names(report: &Report, used: &[usize]) -> String {
     used.iter().map(|k| report.page.recording[*k].name()).collect::<Vec<_>>().join(" + ")
 }
 
-fn parameters(report: &Report, row: &Row) -> Vec<Line> {
+fn parameter_lines(report: &Report, row: &Row) -> Vec<Line> {
     let fitted = &row.fitted;
-    let of = |(p, quantity): (usize, &super::laws::Quantity)| {
+    let parameter_line = |(p, quantity): (usize, &super::laws::Quantity)| {
         let scale = quantity.scale(report.page.range);
         let sigma = fitted.covariance[(p, p)].sqrt();
         let half_width = 1.96 * if scale.logarithmic { fitted.values[p] * sigma } else { sigma };
         Line {
             law: fitted.law.name.to_owned(),
-            fitted: names(report, &row.used),
+            fitted: recording_names(report, &row.used),
             recording: String::new(),
             quantity: scale.name.to_owned(),
             unit: scale.unit.to_owned(),
@@ -103,16 +104,16 @@ fn parameters(report: &Report, row: &Row) -> Vec<Line> {
             half_width: Some(half_width),
         }
     };
-    fitted.law.parameters.iter().enumerate().map(of).collect()
+    fitted.law.parameters.iter().enumerate().map(parameter_line).collect()
 }
 
-fn predictions(report: &Report, row: &Row) -> Vec<Line> {
-    let of = |k: usize| {
+fn prediction_lines(report: &Report, row: &Row) -> Vec<Line> {
+    let recording_lines = |k: usize| {
         let (measured, prediction) = (report.measured[k].to_array(), &row.predictions[k]);
         let value = prediction.features.to_array();
         let line = |n: usize| Line {
             law: row.fitted.law.name.to_owned(),
-            fitted: names(report, &row.used),
+            fitted: recording_names(report, &row.used),
             recording: report.page.recording[k].name().to_owned(),
             quantity: NAMES[n].0.to_owned(),
             unit: NAMES[n].1.to_owned(),
@@ -122,14 +123,14 @@ fn predictions(report: &Report, row: &Row) -> Vec<Line> {
         };
         [0, 1, 2, 3].map(line)
     };
-    (0..report.recorded.len()).flat_map(of).collect()
+    (0..report.recorded.len()).flat_map(recording_lines).collect()
 }
 
-fn quality(report: &Report, result: &LawResult) -> Vec<Line> {
+fn quality_lines(report: &Report, result: &LawResult) -> Vec<Line> {
     let fitted = &result.joint.fitted;
     let line = |quantity: &str, unit: &str, value: f64| Line {
         law: fitted.law.name.to_owned(),
-        fitted: names(report, &result.joint.used),
+        fitted: recording_names(report, &result.joint.used),
         recording: String::new(),
         quantity: quantity.to_owned(),
         unit: unit.to_owned(),
@@ -137,21 +138,21 @@ fn quality(report: &Report, result: &LawResult) -> Vec<Line> {
         value,
         half_width: None,
     };
-    let mut all = vec![
+    let mut lines = vec![
         line("discrepancy", "% of the static deflection", 100.0 * fitted.discrepancy),
         line("correlation time of the discrepancy", "s", fitted.correlation_time),
         line("information criterion over the best", "", result.criterion),
     ];
-    all.extend(
+    lines.extend(
         result.left_out_difference().map(|d| line("difference when left out", "% of the static deflection", 100.0 * d)),
     );
-    all
+    lines
 }
 
-fn csv(report: &Report) -> String {
+fn csv_table(report: &Report) -> String {
     let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.5}"));
     let mut text = "law,fitted,recording,quantity,unit,measured,value,half_width_95,error_percent\n".to_owned();
-    for line in lines(report) {
+    for line in table_lines(report) {
         let Line { law, fitted, recording, quantity, unit, .. } = &line;
         text += &format!(
             "{law},{fitted},{recording},{quantity},{unit},{},{},{},{}\n",
@@ -166,7 +167,7 @@ fn csv(report: &Report) -> String {
 }
 
 /// Errors of the supported law at the recordings that were not fitted.
-fn metrics(report: &Report) -> Vec<serde_json::Value> {
+fn metric_entries(report: &Report) -> Vec<serde_json::Value> {
     let result = &report.results[supported(&report.results)];
     let mut entries = Vec::new();
     for (k, recording) in report.page.recording.iter().enumerate().filter(|(_, recording)| !recording.fitted) {
@@ -184,8 +185,8 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for result in &self.results {
             let fitted = &result.joint.fitted;
-            writeln!(f, "{} fitted to {}", fitted.law.name, names(self, &result.joint.used))?;
-            for line in parameters(self, &result.joint) {
+            writeln!(f, "{} fitted to {}", fitted.law.name, recording_names(self, &result.joint.used))?;
+            for line in parameter_lines(self, &result.joint) {
                 let Line { quantity, unit, value, half_width, .. } = line;
                 writeln!(f, "  {quantity:<22} {value:>12.5} ± {:.5} {unit}", half_width.unwrap_or_default())?;
             }
@@ -213,7 +214,12 @@ impl fmt::Display for Report {
 fn write_predictions(f: &mut fmt::Formatter<'_>, report: &Report, row: &Row) -> fmt::Result {
     for (k, prediction) in row.predictions.iter().enumerate() {
         let role = if row.used.contains(&k) { "fitted" } else { "predicted" };
-        write!(f, "    {:<12} {role:<9} from {:<22}", report.page.recording[k].name(), names(report, &row.used))?;
+        write!(
+            f,
+            "    {:<12} {role:<9} from {:<22}",
+            report.page.recording[k].name(),
+            recording_names(report, &row.used)
+        )?;
         let (measured, value) = (report.measured[k].to_array(), prediction.features.to_array());
         for n in 0..4 {
             let covered = (value[n] - measured[n]).abs() <= prediction.half_widths[n];
@@ -230,11 +236,11 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, report: &Report, row: &Row) -> 
     Ok(())
 }
 
-fn figure(report: &Report) -> Figure {
+fn fall_figure(report: &Report) -> Figure {
     let window = report.page.swing[1];
     let points = |fall: &Series, shift: Second| {
-        let until = fall.values().iter().enumerate().map(|(i, v)| [fall.time(i) + shift, 1e3 * v]);
-        until.skip_while(|p| p[0] < 0.0).take_while(|p| p[0] <= window).collect::<Vec<_>>()
+        let curve = fall.values().iter().enumerate().map(|(i, v)| [fall.time(i) + shift, 1e3 * v]);
+        curve.skip_while(|p| p[0] < 0.0).take_while(|p| p[0] <= window).collect::<Vec<_>>()
     };
     let shown = [(0, palette::SPINE), (supported(&report.results), palette::SIMULATED)];
     let panel = |k: usize| {
@@ -254,9 +260,9 @@ fn figure(report: &Report) -> Figure {
     };
     let panels: Vec<_> = (0..report.recorded.len()).map(panel).collect();
     let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-    let mut rest = panels.into_iter().peekable();
-    while rest.peek().is_some() {
-        figure = figure.row(55.0, rest.by_ref().take(2).collect::<Vec<_>>());
+    let mut remaining = panels.into_iter().peekable();
+    while remaining.peek().is_some() {
+        figure = figure.row(55.0, remaining.by_ref().take(2).collect::<Vec<_>>());
     }
     figure.noted("measured data, not from the virtual bench; predictions are aligned in time")
 }
@@ -273,7 +279,7 @@ mod tests {
 
     #[test]
     fn the_table_holds_every_fit_with_its_parameters_predictions_and_quality() {
-        let table = csv(&testing::report());
+        let table = csv_table(&testing::report());
         // 95 % within 1.96 deviations: 2 % of 100 kPa, 120 % of 2 ms, and 0.25 of a parameter that may be negative
         assert_eq!(line(&table, "elastic_beta,a + c,,youngs_modulus,"), "Pa,,100000.00000,3920.00000,");
         assert_eq!(line(&table, "elastic_beta,c,,stiffness_damping,"), "s,,0.00200,0.00470,");
@@ -294,7 +300,7 @@ mod tests {
 
     #[test]
     fn the_metrics_are_the_errors_of_the_supported_law_at_what_was_not_fitted() {
-        let metrics = metrics(&testing::report());
+        let metrics = metric_entries(&testing::report());
         let found: Vec<_> = metrics.iter().map(|m| (m["id"].as_str().unwrap(), m["value"].as_f64().unwrap())).collect();
         let names = ["frequency", "static", "first_minimum", "decay"];
         for ((id, value), (name, should)) in found.iter().zip(names.iter().zip([20.0, 0.0, 0.0, 0.0])) {
@@ -327,7 +333,7 @@ mod tests {
 
     #[test]
     fn the_figure_has_a_panel_for_each_recording_in_mm() {
-        let figure = figure(&testing::report()).svg().unwrap();
+        let figure = fall_figure(&testing::report()).svg().unwrap();
         for word in ["a, fitted", "b, predicted", "c, fitted", "displacement", "elastic beta", "springpot yeoh"] {
             assert!(figure.contains(word), "{word}");
         }

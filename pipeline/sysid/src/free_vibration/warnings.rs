@@ -15,35 +15,38 @@ const SAME_FREQUENCY: f64 = 0.01;
 
 /// All warnings of a report.
 pub(super) fn warnings(report: &Report) -> Vec<String> {
-    let of_laws = report.results.iter().flat_map(|result| bounds(result).into_iter().chain(uncertain(report, result)));
-    let (_, of) = super::cases(&report.page);
-    let conditions = 0..of.iter().max().map_or(0, |last| last + 1);
-    of_laws.chain(conditions.flat_map(|case| contradictions(report, &of, case))).collect()
+    let of_laws = report
+        .results
+        .iter()
+        .flat_map(|result| bound_warnings(result).into_iter().chain(uncertainty_warnings(report, result)));
+    let (_, case_numbers) = super::page_cases(&report.page);
+    let conditions = 0..case_numbers.iter().max().map_or(0, |last| last + 1);
+    of_laws.chain(conditions.flat_map(|case| case_contradictions(report, &case_numbers, case))).collect()
 }
 
 /// Recordings of one case that contradict each other.
-fn contradictions(report: &Report, of: &[usize], case: usize) -> Vec<String> {
-    let own: Vec<usize> = (0..of.len()).filter(|k| of[*k] == case).collect();
-    let settled: Vec<&[Metre]> = own.iter().map(|k| report.recorded[*k].settled.as_slice()).collect();
-    let vibrations: Vec<FreeVibration> = own.iter().map(|k| report.measured[*k].vibration).collect();
-    deflections(&settled, report.page.sigma).into_iter().chain(frequencies(&vibrations)).collect()
+fn case_contradictions(report: &Report, case_numbers: &[usize], case: usize) -> Vec<String> {
+    let recordings: Vec<usize> = (0..case_numbers.len()).filter(|k| case_numbers[*k] == case).collect();
+    let settled: Vec<&[Metre]> = recordings.iter().map(|k| report.recorded[*k].settled.as_slice()).collect();
+    let vibrations: Vec<FreeVibration> = recordings.iter().map(|k| report.measured[*k].vibration).collect();
+    deflection_warning(&settled, report.page.sigma).into_iter().chain(frequency_warning(&vibrations)).collect()
 }
 
-fn bounds(result: &LawResult) -> Vec<String> {
+fn bound_warnings(result: &LawResult) -> Vec<String> {
     let fitted = &result.joint.fitted;
-    let said = |name: &String| {
+    let warning = |name: &String| {
         format!(
             "{name} ({}) lies on an end of its range: it is not identified; widen its range or record another condition",
             fitted.law.name
         )
     };
-    fitted.on_bounds.iter().map(said).collect()
+    fitted.on_bounds.iter().map(warning).collect()
 }
 
 /// Parameters that the recordings do not determine: their standard deviation is as large as themselves.
-fn uncertain(report: &Report, result: &LawResult) -> Vec<String> {
+fn uncertainty_warnings(report: &Report, result: &LawResult) -> Vec<String> {
     let fitted = &result.joint.fitted;
-    let said = |(p, quantity): (usize, &super::laws::Quantity)| {
+    let warning = |(p, quantity): (usize, &super::laws::Quantity)| {
         let scale = quantity.scale(report.page.range);
         let size = if scale.logarithmic { 1.0 } else { fitted.values[p].abs() };
         let percent = 100.0 * fitted.covariance[(p, p)].sqrt() / size;
@@ -54,17 +57,19 @@ fn uncertain(report: &Report, result: &LawResult) -> Vec<String> {
             )
         })
     };
-    fitted.law.parameters.iter().enumerate().filter_map(said).collect()
+    fitted.law.parameters.iter().enumerate().filter_map(warning).collect()
 }
 
 /// Static deflections (recordings × markers, m) that differ by more than the page's `sigma` (m) explains.
-fn deflections(settled: &[&[Metre]], sigma: Metre) -> Option<String> {
-    let (recordings, markers) = (settled.len(), settled.first().map_or(0, |of| of.len()));
+fn deflection_warning(settled: &[&[Metre]], sigma: Metre) -> Option<String> {
+    let (recordings, markers) = (settled.len(), settled.first().map_or(0, |recording| recording.len()));
     if recordings < 2 || markers == 0 {
         return None;
     }
-    let mean = |marker: usize| settled.iter().map(|of| of[marker]).sum::<f64>() / recordings as f64;
-    let square = |marker: usize| settled.iter().map(|of| ((of[marker] - mean(marker)) / sigma).powi(2)).sum::<f64>();
+    let mean = |marker: usize| settled.iter().map(|recording| recording[marker]).sum::<f64>() / recordings as f64;
+    let square = |marker: usize| {
+        settled.iter().map(|recording| ((recording[marker] - mean(marker)) / sigma).powi(2)).sum::<f64>()
+    };
     let chi = (0..markers).map(square).sum::<f64>() / (markers * (recordings - 1)) as f64;
     (chi > CONTRADICTION).then(|| {
         format!(
@@ -75,12 +80,12 @@ fn deflections(settled: &[&[Metre]], sigma: Metre) -> Option<String> {
 }
 
 /// Frequencies that differ by more than their standard deviations explain.
-fn frequencies(vibrations: &[FreeVibration]) -> Option<String> {
+fn frequency_warning(vibrations: &[FreeVibration]) -> Option<String> {
     let by_frequency = |a: &&FreeVibration, b: &&FreeVibration| a.frequency.total_cmp(&b.frequency);
     let (low, high) = (vibrations.iter().min_by(by_frequency)?, vibrations.iter().max_by(by_frequency)?);
-    let apart = high.frequency - low.frequency;
+    let difference = high.frequency - low.frequency;
     let explained = FREQUENCIES_APART * low.frequency_sigma.hypot(high.frequency_sigma);
-    (apart > explained.max(SAME_FREQUENCY * low.frequency)).then(|| {
+    (difference > explained.max(SAME_FREQUENCY * low.frequency)).then(|| {
         format!(
             "the recordings contradict each other: they vibrate at {:.2} to {:.2} Hz",
             low.frequency, high.frequency
@@ -95,17 +100,17 @@ mod tests {
     #[test]
     fn recordings_that_differ_by_more_than_their_noise_contradict_each_other() {
         let sigma = 1e-4;
-        assert_eq!(deflections(&[&[-6.4e-3, -6.5e-3], &[-6.5e-3, -6.4e-3]], sigma), None);
-        let apart = deflections(&[&[-6.4e-3, -6.5e-3], &[-7.4e-3, -7.5e-3]], sigma);
+        assert_eq!(deflection_warning(&[&[-6.4e-3, -6.5e-3], &[-6.5e-3, -6.4e-3]], sigma), None);
+        let apart = deflection_warning(&[&[-6.4e-3, -6.5e-3], &[-7.4e-3, -7.5e-3]], sigma);
         assert!(apart.is_some_and(|warning| warning.contains("7.1 times")));
-        assert_eq!(deflections(&[&[-6.4e-3]], sigma), None, "one recording contradicts nothing");
+        assert_eq!(deflection_warning(&[&[-6.4e-3]], sigma), None, "one recording contradicts nothing");
     }
 
     #[test]
     fn frequencies_beyond_their_deviations_contradict_each_other() {
         let at = |frequency| FreeVibration { frequency, frequency_sigma: 0.01, decay: 2.0, lowest: -1e-2, when: 0.07 };
-        assert_eq!(frequencies(&[at(7.70), at(7.75)]), None);
-        assert!(frequencies(&[at(7.70), at(8.40)]).is_some_and(|warning| warning.contains("7.70 to 8.40 Hz")));
+        assert_eq!(frequency_warning(&[at(7.70), at(7.75)]), None);
+        assert!(frequency_warning(&[at(7.70), at(8.40)]).is_some_and(|warning| warning.contains("7.70 to 8.40 Hz")));
     }
 
     #[test]

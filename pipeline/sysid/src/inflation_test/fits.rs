@@ -92,12 +92,12 @@ pub(super) struct Linearised {
 }
 
 impl Bench<'_> {
-    /// The material `of` at a point of the search.
-    fn material(&self, of: &IdentifiedMaterial, at: Point) -> IdentifiedMaterial {
+    /// The material `source` at a point of the search.
+    fn scaled_material(&self, source: &IdentifiedMaterial, point: Point) -> IdentifiedMaterial {
         // C₃₀ = 0: with ½ C₂₀²/C₁₀, as in the free vibration test, the walls stiffen too steeply, and the tip of a recording that is left out is
         // predicted to 18.5 and 20.6 % in place of 13.7 and 16.3
-        let stiffening = [at[1], 0.0];
-        IdentifiedMaterial { youngs_modulus: of.youngs_modulus * at[0].exp(), stiffening, ..of.clone() }
+        let stiffening = [point[1], 0.0];
+        IdentifiedMaterial { youngs_modulus: source.youngs_modulus * point[0].exp(), stiffening, ..source.clone() }
     }
 
     /// What `material` makes of every recording on `body`.
@@ -105,21 +105,22 @@ impl Bench<'_> {
     /// # Errors
     /// A diagnostic when it is refused.
     pub fn row(&self, name: &str, material: IdentifiedMaterial, body: &Meshed) -> Result<Row> {
-        self.predicted(name, (material, 0.0), body)
+        self.predict_row(name, (material, 0.0), body)
     }
 
     /// What the end of a fit to the recordings `used` makes of every recording.
     ///
     /// # Errors
     /// A diagnostic when its material is refused.
-    pub fn fitted(&self, name: &str, (of, end): (&IdentifiedMaterial, &Linearised), used: &[usize]) -> Result<Row> {
-        let at = end.at;
-        let row = self.predicted(name, (self.material(of, at), missing(at)), self.body)?;
+    pub fn fitted(&self, name: &str, (source, end): (&IdentifiedMaterial, &Linearised), used: &[usize]) -> Result<Row> {
+        let point = end.at;
+        let row = self.predict_row(name, (self.scaled_material(source, point), missing_pressure(point)), self.body)?;
         let (free, next_step) = (end.jacobian.ncols(), gauss_newton_step(end).amax());
-        Ok(Row { used: used.to_vec(), modulus_ratio: at[0].exp(), end: Some(End { at, free, next_step }), ..row })
+        let end = End { at: point, free, next_step };
+        Ok(Row { used: used.to_vec(), modulus_ratio: point[0].exp(), end: Some(end), ..row })
     }
 
-    fn predicted(&self, name: &str, (material, missing): (IdentifiedMaterial, Pascal), body: &Meshed) -> Result<Row> {
+    fn predict_row(&self, name: &str, (material, missing): (IdentifiedMaterial, Pascal), body: &Meshed) -> Result<Row> {
         let predict = |k: usize| {
             let recording = &self.page.recording[k];
             let duration = recording.duration();
@@ -134,94 +135,98 @@ impl Bench<'_> {
 
     /// Logarithms of simulated over measured displacement soon after the step, and with `free` parameters that the creep shows, at the
     /// end of the hold.
-    fn residual(&self, of: &IdentifiedMaterial, (at, free): (Point, usize), k: usize) -> Result<Vec<f64>> {
+    fn log_ratios(&self, source: &IdentifiedMaterial, (point, free): (Point, usize), k: usize) -> Result<Vec<f64>> {
         let (recording, measured) = (&self.page.recording[k], self.recorded[k].features);
         let hold = recording.duration();
-        let until = if quantities(free) > 1 { hold } else { self.page.early[1] };
-        let supply = self.page.supply(missing(at));
-        let course = self.body.inflate(&self.material(of, at), (recording, &supply), until)?;
+        let end = if quantity_count(free) > 1 { hold } else { self.page.early[1] };
+        let supply = self.page.supply(missing_pressure(point));
+        let course = self.body.inflate(&self.scaled_material(source, point), (recording, &supply), end)?;
         if course.burst.is_some() {
-            return Ok(vec![BURST; quantities(free)]);
+            return Ok(vec![BURST; quantity_count(free)]);
         }
-        let found = Features::of(self.page, hold, &course.tip);
+        let predicted = Features::of(self.page, hold, &course.tip);
         let logarithm = |ratio: f64| if ratio > 0.0 { ratio.ln().min(BURST) } else { BURST };
-        let all = [found.early / measured.early, found.late / measured.late];
-        Ok(all.into_iter().take(quantities(free)).map(logarithm).collect())
+        let ratios = [predicted.early / measured.early, predicted.late / measured.late];
+        Ok(ratios.into_iter().take(quantity_count(free)).map(logarithm).collect())
     }
 
     /// Residuals of the recordings `used` at several points: points × (recordings × quantities).
-    fn residuals(
+    fn point_residuals(
         &self,
-        of: &IdentifiedMaterial,
+        source: &IdentifiedMaterial,
         (points, free): (&[Point], usize),
         used: &[usize],
     ) -> Result<Vec<DVector<f64>>> {
-        let jobs: Vec<_> = points.iter().flat_map(|at| used.iter().map(move |k| (*at, *k))).collect();
-        let all = jobs.par_iter().map(|(at, k)| self.residual(of, (*at, free), *k)).collect::<Result<Vec<_>>>()?;
-        Ok(all.chunks_exact(used.len()).map(|own| DVector::from_vec(own.concat())).collect())
+        let jobs: Vec<_> = points.iter().flat_map(|point| used.iter().map(move |k| (*point, *k))).collect();
+        let residuals = jobs
+            .par_iter()
+            .map(|(point, k)| self.log_ratios(source, (*point, free), *k))
+            .collect::<Result<Vec<_>>>()?;
+        Ok(residuals.chunks_exact(used.len()).map(|values| DVector::from_vec(values.concat())).collect())
     }
 
-    /// The residuals of `used` and their Jacobian by the first `free` parameters, by differences; all but these are those of `from`.
+    /// The residuals of `used` and their Jacobian by the first `free` parameters, by differences; all but these are those of `point`.
     ///
     /// # Errors
     /// A diagnostic when a simulation is refused.
     pub fn linearised(
         &self,
-        of: &IdentifiedMaterial,
-        (from, free): (Point, usize),
+        source: &IdentifiedMaterial,
+        (point, free): (Point, usize),
         used: &[usize],
     ) -> Result<Linearised> {
-        let moved = |p: usize| {
-            let mut at = from;
-            at[p] += DIFFERENCE[p];
-            at
+        let perturbed = |p: usize| {
+            let mut perturbed_point = point;
+            perturbed_point[p] += DIFFERENCE[p];
+            perturbed_point
         };
-        let points: Vec<Point> = std::iter::once(from).chain((0..free).map(moved)).collect();
-        let all = self.residuals(of, (&points, free), used)?;
-        let columns: Vec<DVector<f64>> = (0..free).map(|p| (&all[p + 1] - &all[0]) / DIFFERENCE[p]).collect();
-        Ok(Linearised { at: from, residuals: all[0].clone(), jacobian: DMatrix::from_columns(&columns) })
+        let points: Vec<Point> = std::iter::once(point).chain((0..free).map(perturbed)).collect();
+        let residuals = self.point_residuals(source, (&points, free), used)?;
+        let columns: Vec<DVector<f64>> =
+            (0..free).map(|p| (&residuals[p + 1] - &residuals[0]) / DIFFERENCE[p]).collect();
+        Ok(Linearised { at: point, residuals: residuals[0].clone(), jacobian: DMatrix::from_columns(&columns) })
     }
 
-    /// The fit to the recordings `used`, begun at `from`.
+    /// The fit to the recordings `used`, begun at `iterate`.
     ///
     /// # Errors
     /// A diagnostic when a simulation is refused.
-    pub fn fit(&self, of: &IdentifiedMaterial, used: &[usize], mut from: Linearised) -> Result<Linearised> {
+    pub fn fit(&self, source: &IdentifiedMaterial, used: &[usize], mut iterate: Linearised) -> Result<Linearised> {
         for _ in 0..MAX_STEPS {
-            let step = gauss_newton_step(&from);
+            let step = gauss_newton_step(&iterate);
             if step.amax() < ENOUGH {
                 break;
             }
-            let mut at = from.at;
-            (0..step.len()).for_each(|p| at[p] += step[p]);
-            let residuals = self.residuals(of, (&[at], step.len()), used)?.swap_remove(0);
-            let missed = &residuals - &from.residuals - &from.jacobian * &step;
-            let jacobian = &from.jacobian + missed * step.transpose() / step.norm_squared();
-            from = Linearised { at, residuals, jacobian };
+            let mut point = iterate.at;
+            (0..step.len()).for_each(|p| point[p] += step[p]);
+            let residuals = self.point_residuals(source, (&[point], step.len()), used)?.swap_remove(0);
+            let missed = &residuals - &iterate.residuals - &iterate.jacobian * &step;
+            let jacobian = &iterate.jacobian + missed * step.transpose() / step.norm_squared();
+            iterate = Linearised { at: point, residuals, jacobian };
         }
-        Ok(from)
+        Ok(iterate)
     }
 }
 
 /// Quantities of a recording that are compared with so many free parameters.
-fn quantities(free: usize) -> usize {
+fn quantity_count(free: usize) -> usize {
     if free > 2 { 2 } else { 1 }
 }
 
 /// What is missing of a step's pressure at first, Pa.
-fn missing(at: Point) -> Pascal {
-    1e3 * at[2]
+fn missing_pressure(point: Point) -> Pascal {
+    1e3 * point[2]
 }
 
-/// Where a fit of so many parameters begins, with the material `of`.
-pub(super) fn start(of: &IdentifiedMaterial, free: usize) -> Point {
-    [0.0, if free == 1 { of.stiffening[0] } else { STIFFENING }, 0.0]
+/// Where a fit of so many parameters begins, with the material `source`.
+pub(super) fn start(source: &IdentifiedMaterial, free: usize) -> Point {
+    [0.0, if free == 1 { source.stiffening[0] } else { STIFFENING }, 0.0]
 }
 
 impl Linearised {
     /// Of some of its recordings.
     pub fn only(&self, recordings: &[usize]) -> Self {
-        let each = quantities(self.jacobian.ncols());
+        let each = quantity_count(self.jacobian.ncols());
         let rows: Vec<usize> = recordings.iter().flat_map(|k| (0..each).map(move |q| each * k + q)).collect();
         let rows = &rows;
         Self { at: self.at, residuals: self.residuals.select_rows(rows), jacobian: self.jacobian.select_rows(rows) }
@@ -229,13 +234,13 @@ impl Linearised {
 }
 
 /// The step of least squares, within [`LONGEST`] and [`RANGES`].
-fn gauss_newton_step(from: &Linearised) -> DVector<f64> {
-    let svd = from.jacobian.clone().svd(true, true);
-    let mut step = svd.solve(&-&from.residuals, 1e-6).unwrap_or_else(|_| DVector::zeros(from.jacobian.ncols()));
-    let over = (0..step.len()).map(|p| step[p].abs() / LONGEST[p]).fold(1.0, f64::max);
-    step /= over;
+fn gauss_newton_step(iterate: &Linearised) -> DVector<f64> {
+    let svd = iterate.jacobian.clone().svd(true, true);
+    let mut step = svd.solve(&-&iterate.residuals, 1e-6).unwrap_or_else(|_| DVector::zeros(iterate.jacobian.ncols()));
+    let excess = (0..step.len()).map(|p| step[p].abs() / LONGEST[p]).fold(1.0, f64::max);
+    step /= excess;
     for (p, step) in step.iter_mut().enumerate() {
-        *step = (from.at[p] + *step).clamp(RANGES[p][0], RANGES[p][1]) - from.at[p];
+        *step = (iterate.at[p] + *step).clamp(RANGES[p][0], RANGES[p][1]) - iterate.at[p];
     }
     step
 }

@@ -45,15 +45,15 @@ pub fn is_page(path: &Path) -> bool {
 /// # Errors
 /// A [`diagnostics::Diagnostic`]: the page, a recording, the material, a case or its mesh is refused.
 pub fn run(root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
-    evaluated(Page::read(path)?, root, path, out).map_err(|refused| refused.in_file_unless_named(path))
+    evaluate_page(Page::read(path)?, root, path, out).map_err(|refused| refused.in_file_unless_named(path))
 }
 
-fn evaluated(page: Page, root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
+fn evaluate_page(page: Page, root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
     let recorded: Vec<Recorded> =
         page.recording.iter().map(|recording| Recorded::read(&page, recording, root)).collect::<Result<_>>()?;
     let materials = IdentifiedMaterials::read(&folder.join(file_of(&page.material)))?;
-    let report = Predictions { page: &page, root, path, folder: &folder }.all(recorded, &materials)?;
+    let report = Predictions { page: &page, root, path, folder: &folder }.predict_all(recorded, &materials)?;
     shown::write(&report, &folder)?;
     Ok((report, folder))
 }
@@ -67,10 +67,10 @@ struct Predictions<'a> {
 }
 
 impl Predictions<'_> {
-    fn all(&self, recorded: Vec<Recorded>, materials: &IdentifiedMaterials) -> Result<Report> {
+    fn predict_all(&self, recorded: Vec<Recorded>, materials: &IdentifiedMaterials) -> Result<Report> {
         let (page, count) = (self.page, recorded.len());
         let case = read(&self.path.parent().unwrap_or(Path::new(".")).join(&page.case))?;
-        let mesh = |section: f64| Meshed::new(page, &case, &self.surfaces(&case)?, (section, self.folder));
+        let mesh = |section: f64| Meshed::new(page, &case, &self.surface_folder(&case)?, (section, self.folder));
         std::fs::create_dir_all(self.folder)
             .map_err(|e| Diagnostic::io(self.folder, e, "name another folder with --out"))?;
         let body = mesh(1.0)?;
@@ -84,28 +84,28 @@ impl Predictions<'_> {
             let name = format!("{}, {}, sections scaled by {section}", page.material, chosen.name);
             rows.push(bench.row(&name, chosen.clone(), &mesh(*section)?)?);
         }
-        let own: Vec<usize> = (0..count).filter(|k| page.recording[*k].fitted).collect();
-        let modulus = bench.fit(chosen, &own, bench.linearised(chosen, (start(chosen, 1), 1), &own)?)?;
-        rows.push(bench.fitted("modulus fitted", (chosen, &modulus), &own)?);
+        let fitted: Vec<usize> = (0..count).filter(|k| page.recording[*k].fitted).collect();
+        let modulus = bench.fit(chosen, &fitted, bench.linearised(chosen, (start(chosen, 1), 1), &fitted)?)?;
+        rows.push(bench.fitted("modulus fitted", (chosen, &modulus), &fitted)?);
         let mut left_out = vec![Vec::new(); count];
         if count > 1 {
-            let mut from = start(chosen, 2);
+            let mut start_point = start(chosen, 2);
             for (free, name) in JOINT.into_iter().take(if page.settling.is_some() { 2 } else { 1 }) {
-                from = cross_validated(&bench, (chosen, name), (from, free), (&mut rows, &mut left_out))?;
+                start_point = cross_validated(&bench, (chosen, name), (start_point, free), (&mut rows, &mut left_out))?;
             }
         }
         Ok(Report { page: page.clone(), recorded, rows, left_out })
     }
 
     /// The folder of the case's surface or mesh: beside the page, or one of the page's folders.
-    fn surfaces(&self, case: &Case) -> Result<PathBuf> {
-        let beside = self.path.parent().unwrap_or(Path::new(".")).to_owned();
+    fn surface_folder(&self, case: &Case) -> Result<PathBuf> {
+        let page_folder = self.path.parent().unwrap_or(Path::new(".")).to_owned();
         let folders = self.page.folders.iter().map(|folder| self.root.join(folder));
-        let all: Vec<PathBuf> = std::iter::once(beside).chain(folders).collect();
-        all.iter().find(|folder| folder.join(case.mesh.name()).is_file()).cloned().ok_or_else(|| {
-            let searched: Vec<String> = all.iter().map(|folder| folder.display().to_string()).collect();
-            let what = format!("the surface {} is not there", case.mesh.name());
-            Diagnostic::new(what, format!("searched {}", searched.join(", ")), "put it into one of these folders")
+        let candidates: Vec<PathBuf> = std::iter::once(page_folder).chain(folders).collect();
+        candidates.iter().find(|folder| folder.join(case.mesh.name()).is_file()).cloned().ok_or_else(|| {
+            let searched: Vec<String> = candidates.iter().map(|folder| folder.display().to_string()).collect();
+            let message = format!("the surface {} is not there", case.mesh.name());
+            Diagnostic::new(message, format!("searched {}", searched.join(", ")), "put it into one of these folders")
         })
     }
 }
@@ -115,22 +115,22 @@ impl Predictions<'_> {
 const JOINT: [(usize, &str); 2] =
     [(2, "modulus and stiffening fitted"), (3, "modulus, stiffening and missing pressure fitted")];
 
-/// The rows of a joint fit from `from` on, of so many free parameters: to all recordings, and to all but each one to which the modulus alone
+/// The rows of a joint fit from `start` on, of so many free parameters: to all recordings, and to all but each one to which the modulus alone
 /// was not fitted, which is then predicted by the row that is added to `left_out`. Returns the point of all.
 fn cross_validated(
     bench: &Bench,
-    (of, name): (&IdentifiedMaterial, &str),
-    from: (Point, usize),
+    (material, name): (&IdentifiedMaterial, &str),
+    start: (Point, usize),
     (rows, left_out): (&mut Vec<Row>, &mut [Vec<usize>]),
 ) -> Result<Point> {
     let every: Vec<usize> = (0..left_out.len()).collect();
-    let joint = bench.fit(of, &every, bench.linearised(of, from, &every)?)?;
-    rows.push(bench.fitted(name, (of, &joint), &every)?);
+    let joint = bench.fit(material, &every, bench.linearised(material, start, &every)?)?;
+    rows.push(bench.fitted(name, (material, &joint), &every)?);
     for k in every.iter().copied().filter(|k| !bench.page.recording[*k].fitted) {
-        let others: Vec<usize> = every.iter().copied().filter(|other| *other != k).collect();
-        let end = bench.fit(of, &others, joint.only(&others))?;
+        let remaining: Vec<usize> = every.iter().copied().filter(|recording| *recording != k).collect();
+        let end = bench.fit(material, &remaining, joint.only(&remaining))?;
         left_out[k].push(rows.len());
-        rows.push(bench.fitted(name, (of, &end), &others)?);
+        rows.push(bench.fitted(name, (material, &end), &remaining)?);
     }
     Ok(joint.at)
 }
@@ -140,14 +140,14 @@ impl Report {
     /// `k`, m: linear in its logarithm between two rows; none where no two enclose it.
     fn explaining_wall(&self, k: usize) -> Option<Metre> {
         let chosen = self.rows.iter().rev().find(|row| row.used.is_empty()).map(|row| &row.material)?;
-        let own = self.rows.iter().filter(|row| row.used.is_empty() && row.material == *chosen);
-        let of = |row: &Row| {
+        let section_rows = self.rows.iter().filter(|row| row.used.is_empty() && row.material == *chosen);
+        let wall_and_ratio = |row: &Row| {
             let ratio = row.predictions[k].features?.early / self.recorded[k].features.early;
             (ratio > 0.0).then(|| Some((row.wall?, ratio.ln())))?
         };
-        let mut known: Vec<(Metre, f64)> = own.filter_map(of).collect();
-        known.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let crossing = known.windows(2).find(|pair| pair[0].1 * pair[1].1 <= 0.0)?;
+        let mut walls: Vec<(Metre, f64)> = section_rows.filter_map(wall_and_ratio).collect();
+        walls.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let crossing = walls.windows(2).find(|pair| pair[0].1 * pair[1].1 <= 0.0)?;
         let part = crossing[0].1 / (crossing[0].1 - crossing[1].1);
         Some(crossing[0].0 + part * (crossing[1].0 - crossing[0].0))
     }

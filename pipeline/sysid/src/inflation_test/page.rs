@@ -88,7 +88,7 @@ pub(super) struct Supply {
 
 impl Supply {
     /// The pressure at a time after a step to `held`, Pa.
-    fn step(&self, held: Pascal, time: Second) -> Pascal {
+    fn step_pressure(&self, held: Pascal, time: Second) -> Pascal {
         (held - self.missing * (-time / self.settling).exp()) * (time / self.rise).clamp(0.0, 1.0)
     }
 }
@@ -97,7 +97,7 @@ impl Recording {
     /// The pressure at a time since the hold's begin, Pa: a step is as the air line makes it, a history as the page says.
     pub(super) fn pressure_at(&self, time: Second, supply: &Supply) -> Pascal {
         match &self.pressure {
-            History::Constant(held) => supply.step(*held, time),
+            History::Constant(held) => supply.step_pressure(*held, time),
             wave => wave.at(time),
         }
     }
@@ -128,17 +128,17 @@ impl Page {
     /// # Errors
     /// [`Diagnostic`] when it has an unknown or missing key, or an invalid number.
     pub fn parse(text: &str, path: &Path) -> Result<Self, Diagnostic> {
-        table::parse(text, path, SEE, Self::check)
+        table::parse(text, path, SEE, Self::check_page)
     }
 
-    fn check(&self) -> Checked {
-        self.slip()
+    fn check_page(&self) -> Checked {
+        self.first_invalid()
             .map_or(Ok(()), |slip| violation("", slip, "no prediction is possible with it", "correct the page"))?;
-        self.ranges()
+        self.check_ranges()
     }
 
     /// Holds every number to the range of a test on a bench: a slip of a unit lies outside.
-    fn ranges(&self) -> Checked {
+    fn check_ranges(&self) -> Checked {
         let times = [("held", self.held), ("rise", self.rise), ("late", self.late)];
         for (key, time) in times.into_iter().chain(self.settling.map(|time| ("settling", time))) {
             within(key, time, 1e-3..=3600.0, "s")?;
@@ -164,10 +164,10 @@ impl Page {
     }
 
     /// The first invalid entry.
-    fn slip(&self) -> Option<&'static str> {
+    fn first_invalid(&self) -> Option<&'static str> {
         let short = |r: &Recording| {
-            let [from, to] = r.hold;
-            from < self.held || to - from < self.early[1] + self.late
+            let [begin, end] = r.hold;
+            begin < self.held || end - begin < self.early[1] + self.late
         };
         let history = |r: &Recording| !matches!(r.pressure, History::Constant(_));
         let rules = [
@@ -179,7 +179,7 @@ impl Page {
             (self.recording.is_empty(), "there is no [[recording]]"),
             (self.recording.iter().any(|r| r.files.is_empty()), "a [[recording]] has no `files`"),
             (self.recording.iter().any(|r| r.name.trim().is_empty()), "a [[recording]] has an empty `name`"),
-            (repeated(&self.recording), "two [[recording]]s have one `name`"),
+            (has_duplicate_names(&self.recording), "two [[recording]]s have one `name`"),
             (!self.recording.iter().any(|r| r.fitted), "no [[recording]] is fitted"),
             (self.marker.iter().any(|m| m.names.is_empty()), "a [[marker]] has no `names`"),
             (!self.marker.iter().any(|m| m.compared && m.on.is_some()), "no [[marker]] on the body is compared"),
@@ -190,13 +190,13 @@ impl Page {
             ),
             (self.recording.iter().any(short), "`held`, `hold`, `early` and `late` do not follow one another"),
         ];
-        rules.iter().find(|(broken, _)| *broken).map(|(_, what)| *what)
+        rules.iter().find(|(broken, _)| *broken).map(|(_, message)| *message)
     }
 }
 
 /// Whether two recordings have one name: their results could not be told apart.
-fn repeated(recordings: &[Recording]) -> bool {
-    recordings.iter().enumerate().any(|(i, one)| recordings[..i].iter().any(|other| other.name == one.name))
+fn has_duplicate_names(recordings: &[Recording]) -> bool {
+    recordings.iter().enumerate().any(|(i, recording)| recordings[..i].iter().any(|other| other.name == recording.name))
 }
 
 const SEE: &str = "pipeline/sysid/examples/real has a page with every key";
@@ -210,10 +210,10 @@ mod tests {
     #[test]
     fn what_is_missing_of_a_step_vanishes_with_the_time_constant() {
         let supply = Supply { rise: 0.1, settling: 2.0, missing: 1e3 };
-        assert!((supply.step(1e4, 0.05) - 0.5 * (1e4 - 1e3 * (-0.025_f64).exp())).abs() < 1e-9);
-        assert!((supply.step(1e4, 2.0) - (1e4 - 1e3 * (-1.0_f64).exp())).abs() < 1e-9);
+        assert!((supply.step_pressure(1e4, 0.05) - 0.5 * (1e4 - 1e3 * (-0.025_f64).exp())).abs() < 1e-9);
+        assert!((supply.step_pressure(1e4, 2.0) - (1e4 - 1e3 * (-1.0_f64).exp())).abs() < 1e-9);
         let whole = Page::parse(&PAGE.replace("settling", "# settling"), Path::new("page.toml")).unwrap().supply(0.0);
-        assert!((whole.step(1e4, 0.2) - 1e4).abs() < 1e-9);
+        assert!((whole.step_pressure(1e4, 0.2) - 1e4).abs() < 1e-9);
     }
 
     /// Keys of numbers that may be negative.

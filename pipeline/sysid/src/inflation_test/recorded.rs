@@ -26,16 +26,19 @@ impl Features {
 
     /// Of a displacement at `times` after the step, over a hold of `duration`, s.
     pub fn of(page: &Page, duration: Second, course: &[(Second, Metre)]) -> Self {
-        Self { early: mean(course, page.early), late: mean(course, [duration - page.late, duration]) }
+        Self {
+            early: mean_displacement(course, page.early),
+            late: mean_displacement(course, [duration - page.late, duration]),
+        }
     }
 }
 
 /// Mean of a course over an interval of time, by its values at 20 times.
-fn mean(course: &[(Second, Metre)], [from, to]: [Second; 2]) -> Metre {
+fn mean_displacement(course: &[(Second, Metre)], [begin, end]: [Second; 2]) -> Metre {
     const SAMPLES: usize = 20;
     let (times, values): (Vec<f64>, Vec<f64>) = course.iter().copied().unzip();
-    let at = |k: usize| from + (k as f64 + 0.5) / SAMPLES as f64 * (to - from);
-    let value = |k: usize| crate::free_vibration::fitting::interpolated(&times, &values, at(k));
+    let time = |k: usize| begin + (k as f64 + 0.5) / SAMPLES as f64 * (end - begin);
+    let value = |k: usize| crate::free_vibration::fitting::interpolated(&times, &values, time(k));
     (0..SAMPLES).map(value).sum::<f64>() / SAMPLES as f64
 }
 
@@ -58,27 +61,34 @@ impl Recorded {
         let path = find(&page.name, &page.folders, &recording.files, root)?;
         let (rate, tracks) = tracks(&page.marker, &path)?;
         let frame = |time: Second| (time * rate).round() as usize;
-        let [from, to] = recording.hold.map(frame);
+        let [first, last] = recording.hold.map(frame);
         let frames = tracks[0].len();
-        if to >= frames {
-            let what = format!("{} holds {:.2} s", path.display(), frames as f64 / rate);
-            let why = format!("the hold of `{}` ends at {} s", recording.name, recording.hold[1]);
-            return Err(Diagnostic::new(what, why, "correct `hold` on the page"));
+        if last >= frames {
+            let message = format!("{} holds {:.2} s", path.display(), frames as f64 / rate);
+            let reason = format!("the hold of `{}` ends at {} s", recording.name, recording.hold[1]);
+            return Err(Diagnostic::new(message, reason, "correct `hold` on the page"));
         }
-        let moved = displacements(&page.marker, &tracks, frame(page.held).max(1));
-        let compared: Vec<&Vec<Vector3<f64>>> =
-            moved.iter().zip(&page.marker).filter(|(_, marker)| marker.compared).map(|(of, _)| of).collect();
-        let mean = |i: usize| compared.iter().map(|of| of[i][page.along as usize]).sum::<f64>() / compared.len() as f64;
-        let tip = Series::new(0.0, rate, (from..=to).map(mean).collect())?;
+        let displacements = displacements(&page.marker, &tracks, frame(page.held).max(1));
+        let compared: Vec<&Vec<Vector3<f64>>> = displacements
+            .iter()
+            .zip(&page.marker)
+            .filter(|(_, marker)| marker.compared)
+            .map(|(displacement, _)| displacement)
+            .collect();
+        let mean = |i: usize| {
+            compared.iter().map(|displacement| displacement[i][page.along as usize]).sum::<f64>()
+                / compared.len() as f64
+        };
+        let tip = Series::new(0.0, rate, (first..=last).map(mean).collect())?;
         let course: Vec<_> = tip.values().iter().enumerate().map(|(i, u)| (tip.time(i), *u)).collect();
         let features = Features::of(page, recording.duration(), &course);
         if features.early.abs() < STILL {
-            let what = format!("the tip does not move in `{}`", recording.name);
-            let why = format!(
+            let message = format!("the tip does not move in `{}`", recording.name);
+            let reason = format!(
                 "{:.1e} m on average from {} to {} s of its hold",
                 features.early, page.early[0], page.early[1]
             );
-            return Err(Diagnostic::file(&path, what, why, "correct `hold`, `early` or `along` on the page"));
+            return Err(Diagnostic::file(&path, message, reason, "correct `hold`, `early` or `along` on the page"));
         }
         Ok(Self { tip, features })
     }
@@ -91,7 +101,7 @@ mod tests {
     #[test]
     fn the_mean_of_a_line_is_its_middle_and_creep_is_relative() {
         let line: Vec<_> = (0..=30).map(|i| (0.1 * f64::from(i), 1.0 + 0.1 * f64::from(i))).collect();
-        assert!((mean(&line, [0.5, 1.5]) - 2.0).abs() < 1e-12);
+        assert!((mean_displacement(&line, [0.5, 1.5]) - 2.0).abs() < 1e-12);
         assert!((Features { early: -2.0, late: -2.2 }.creep() - 0.1).abs() < 1e-12);
     }
 }

@@ -17,30 +17,30 @@ use diagnostics::{Diagnostic, Result};
 /// A [`Diagnostic`] when the folder cannot be written.
 pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
     let stem = format!("real_{}", report.page.name);
-    for (ending, text) in [("csv", csv(report)), ("svg", figure(report).svg()?)] {
+    for (ending, text) in [("csv", csv_table(report)), ("svg", displacement_figure(report).svg()?)] {
         let path = folder.join(format!("{stem}.{ending}"));
         std::fs::write(&path, text).map_err(|e| Diagnostic::io(&path, e, "name another folder with --out"))?;
     }
-    metrics_file::replace(folder, &report.page.name, metrics(report))
+    metrics_file::replace(folder, &report.page.name, metric_entries(report))
 }
 
 /// One number of a recording: name, unit, measured and predicted.
 type Number = (&'static str, &'static str, f64, Option<f64>);
 
-fn numbers(report: &Report, row: &Row, k: usize) -> [Number; 3] {
-    let (measured, found) = (report.recorded[k].features, row.predictions[k].features);
+fn compared_numbers(report: &Report, row: &Row, k: usize) -> [Number; 3] {
+    let (measured, predicted) = (report.recorded[k].features, row.predictions[k].features);
     [
-        ("tip", "mm", 1e3 * measured.early, found.map(|f| 1e3 * f.early)),
-        ("tip at the end of the hold", "mm", 1e3 * measured.late, found.map(|f| 1e3 * f.late)),
-        ("creep over the hold", "%", 100.0 * measured.creep(), found.map(|f| 100.0 * f.creep())),
+        ("tip", "mm", 1e3 * measured.early, predicted.map(|f| 1e3 * f.early)),
+        ("tip at the end of the hold", "mm", 1e3 * measured.late, predicted.map(|f| 1e3 * f.late)),
+        ("creep over the hold", "%", 100.0 * measured.creep(), predicted.map(|f| 100.0 * f.creep())),
     ]
 }
 
-fn names(report: &Report, used: &[usize]) -> String {
+fn recording_names(report: &Report, used: &[usize]) -> String {
     used.iter().map(|k| report.page.recording[*k].name.as_str()).collect::<Vec<_>>().join(" + ")
 }
 
-fn csv(report: &Report) -> String {
+fn csv_table(report: &Report) -> String {
     let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.5}"));
     let mut text =
         "material,fitted,modulus_ratio,c20_over_c10,missing_mbar,wall_mm,recording,quantity,unit,measured,predicted,error\n"
@@ -50,20 +50,22 @@ fn csv(report: &Report) -> String {
         let head = format!(
             "\"{}\",{},{},{},{:.3},{}",
             row.name,
-            names(report, &row.used),
+            recording_names(report, &row.used),
             fit(row.modulus_ratio),
             fit(row.material.stiffening[0]),
             1e-2 * row.missing,
             word(row.wall.map(|wall| 1e3 * wall))
         );
         for (k, recording) in report.page.recording.iter().enumerate() {
-            for (quantity, unit, measured, found) in numbers(report, row, k) {
+            for (quantity, unit, measured, predicted) in compared_numbers(report, row, k) {
                 // of a displacement in per cent, of creep in points
                 let error =
-                    found.map(|found| if unit == "%" { found - measured } else { error_percent(found, measured) });
+                    predicted.map(
+                        |predicted| if unit == "%" { predicted - measured } else { error_percent(predicted, measured) },
+                    );
                 let name = &recording.name;
-                let [measured, found, error] = [Some(measured), found, error].map(word);
-                text += &format!("{head},{name},{quantity},{unit},{measured},{found},{error}\n");
+                let [measured, predicted, error] = [Some(measured), predicted, error].map(word);
+                text += &format!("{head},{name},{quantity},{unit},{measured},{predicted},{error}\n");
             }
         }
     }
@@ -75,14 +77,14 @@ fn csv(report: &Report) -> String {
     text
 }
 
-fn error_percent(found: f64, measured: f64) -> f64 {
-    100.0 * (found / measured - 1.0)
+fn error_percent(predicted: f64, measured: f64) -> f64 {
+    100.0 * (predicted / measured - 1.0)
 }
 
 /// Absolute errors at the recordings to which the modulus alone was not fitted: of modulus and stiffening fitted to the others
 /// (`tip_error_percent`), of what is missing of the pressure fitted as well, of the modulus fitted alone, and of the material as it was
 /// identified elsewhere. Creep is that of the row with most parameters.
-fn metrics(report: &Report) -> Vec<serde_json::Value> {
+fn metric_entries(report: &Report) -> Vec<serde_json::Value> {
     let mut entries = Vec::new();
     let alone = report.rows.iter().position(|row| row.name == "modulus fitted");
     let fit = |row: usize| no_fit(report, &report.rows[row]).is_none();
@@ -95,8 +97,8 @@ fn metrics(report: &Report) -> Vec<serde_json::Value> {
             ("tip_with_supported_law", Some(0)),
         ];
         for (kind, row) in kinds.into_iter().filter(|(_, row)| !left_out.is_empty() && row.is_some()) {
-            let tip = row.filter(|row| fit(*row)).map(|row| numbers(report, &report.rows[row], k)[0]);
-            let error = tip.and_then(|(_, _, measured, found)| Some(error_percent(found?, measured).abs()));
+            let tip = row.filter(|row| fit(*row)).map(|row| compared_numbers(report, &report.rows[row], k)[0]);
+            let error = tip.and_then(|(_, _, measured, predicted)| Some(error_percent(predicted?, measured).abs()));
             entries.push(metrics_file::entry(&format!("{stem}.{kind}_error_percent"), error, "%"));
         }
         let creep = left_out
@@ -104,8 +106,8 @@ fn metrics(report: &Report) -> Vec<serde_json::Value> {
             .copied()
             .or(alone)
             .filter(|row| fit(*row))
-            .map(|row| numbers(report, &report.rows[row], k)[2]);
-        let points = creep.and_then(|(_, _, measured, found)| Some((found? - measured).abs()));
+            .map(|row| compared_numbers(report, &report.rows[row], k)[2]);
+        let points = creep.and_then(|(_, _, measured, predicted)| Some((predicted? - measured).abs()));
         entries.push(metrics_file::entry(&format!("{stem}.creep_error_points"), points, "%"));
     }
     entries
@@ -114,7 +116,8 @@ fn metrics(report: &Report) -> Vec<serde_json::Value> {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for row in &self.rows {
-            let fitted = if row.used.is_empty() { String::new() } else { format!(" to {}", names(self, &row.used)) };
+            let fitted =
+                if row.used.is_empty() { String::new() } else { format!(" to {}", recording_names(self, &row.used)) };
             let wall = row.wall.map_or_else(String::new, |wall| format!(", walls {:.2} mm", 1e3 * wall));
             let missing = match row.missing {
                 0.0 => String::new(),
@@ -141,25 +144,25 @@ impl fmt::Display for Report {
 fn write_prediction(f: &mut fmt::Formatter<'_>, report: &Report, (row, k): (&Row, usize)) -> fmt::Result {
     let role = if row.used.contains(&k) { "fitted" } else { "predicted" };
     write!(f, "    {:<9} {role:<9}", report.page.recording[k].name)?;
-    if let Some(why) = &row.predictions[k].course.burst {
+    if let Some(burst) = &row.predictions[k].course.burst {
         let last = row.predictions[k].course.tip.last().map_or(0.0, |(time, _)| *time);
-        let why = why.lines().next().unwrap_or_default();
-        return writeln!(f, "  the wall balloons without bound from {last:.3} s on: {why}");
+        let reason = burst.lines().next().unwrap_or_default();
+        return writeln!(f, "  the wall balloons without bound from {last:.3} s on: {reason}");
     }
-    for (quantity, unit, measured, found) in numbers(report, row, k) {
-        let found = found.unwrap_or(f64::NAN);
-        if !found.is_finite() {
+    for (quantity, unit, measured, predicted) in compared_numbers(report, row, k) {
+        let predicted = predicted.unwrap_or(f64::NAN);
+        if !predicted.is_finite() {
             write!(f, "  {quantity} not predicted ({measured:.2})")?;
             continue;
         }
-        let error = if unit == "%" { String::new() } else { format!(", {:+.1} %", error_percent(found, measured)) };
-        write!(f, "  {quantity} {found:.2} {unit} ({measured:.2}{error})")?;
+        let error = if unit == "%" { String::new() } else { format!(", {:+.1} %", error_percent(predicted, measured)) };
+        write!(f, "  {quantity} {predicted:.2} {unit} ({measured:.2}{error})")?;
     }
     writeln!(f)
 }
 
 /// Recorded and predicted displacement over time: the material's source as it is, the modulus fitted, and the recording left out.
-fn figure(report: &Report) -> Figure {
+fn displacement_figure(report: &Report) -> Figure {
     let by_name = |name: &str| report.rows.iter().position(|row| row.name == name);
     let untouched = report.rows.iter().rposition(|row| row.used.is_empty() && row.wall == report.rows[0].wall);
     let panel = |k: usize| {
@@ -183,9 +186,9 @@ fn figure(report: &Report) -> Figure {
         Panel::Axes(marks.fold(axes, Axes::with)).titled(&report.page.recording[k].name)
     };
     let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-    let mut rest = (0..report.recorded.len()).map(panel).peekable();
-    while rest.peek().is_some() {
-        figure = figure.row(55.0, rest.by_ref().take(3).collect::<Vec<_>>());
+    let mut panels = (0..report.recorded.len()).map(panel).peekable();
+    while panels.peek().is_some() {
+        figure = figure.row(55.0, panels.by_ref().take(3).collect::<Vec<_>>());
     }
     figure.noted("measured data, not from the virtual bench")
 }

@@ -11,30 +11,30 @@ const PARAMETERS: [&str; 3] = ["the modulus", "C20/C10", "the missing pressure i
 
 /// Why the fit of a row is none; nothing where it is one, or nothing was fitted.
 pub(super) fn no_fit(report: &Report, row: &Row) -> Option<String> {
-    row.used.iter().find_map(|&k| contradiction(report, row, k))
+    row.used.iter().find_map(|&k| recording_contradiction(report, row, k))
 }
 
 /// How a row contradicts the recording `k` to which it was fitted.
-fn contradiction(report: &Report, row: &Row, k: usize) -> Option<String> {
+fn recording_contradiction(report: &Report, row: &Row, k: usize) -> Option<String> {
     let recording = &report.page.recording[k];
-    let place = format!("`{}` ({})", recording.name, recording.files.join(", "));
+    let recording_label = format!("`{}` ({})", recording.name, recording.files.join(", "));
     let Some(features) = row.predictions[k].features else {
-        return Some(format!("the wall balloons without bound at {place}: correct its `pressure`"));
+        return Some(format!("the wall balloons without bound at {recording_label}: correct its `pressure`"));
     };
     let (predicted, measured) = (1e3 * features.early, 1e3 * report.recorded[k].features.early);
     if !predicted.is_finite() || !features.late.is_finite() {
-        return Some(format!("the tip has no place at {place}"));
+        return Some(format!("the tip has no place at {recording_label}"));
     }
     (predicted * measured <= 0.0).then(|| {
         format!(
-            "the tip moves by {predicted:+.2} mm at {place}, and by {measured:+.2} mm in the recording, which no modulus turns round: \
+            "the tip moves by {predicted:+.2} mm at {recording_label}, and by {measured:+.2} mm in the recording, which no modulus turns round: \
              correct `along`, its `pressure` or its markers"
         )
     })
 }
 
 /// How the search of a row ended where it did not end at an optimum inside of its ranges.
-fn ends(row: &Row) -> Vec<String> {
+fn search_warnings(row: &Row) -> Vec<String> {
     let Some(end) = row.end else { return Vec::new() };
     let name = &row.name;
     let on_bounds = end.on_bounds().map(|(p, [low, high])| {
@@ -50,8 +50,8 @@ fn ends(row: &Row) -> Vec<String> {
 /// All warnings of a report.
 pub(super) fn warnings(report: &Report) -> Vec<String> {
     let of_row = |row: &Row| match no_fit(report, row) {
-        Some(why) => vec![format!("`{}` is no fit: {why}", row.name)],
-        None => ends(row),
+        Some(reason) => vec![format!("`{}` is no fit: {reason}", row.name)],
+        None => search_warnings(row),
     };
     report.rows.iter().flat_map(of_row).collect()
 }

@@ -48,19 +48,19 @@ impl Part<'_> {
     /// Solves some levels, each from the initial guess predicted by earlier solves and by the levels before it.
     pub fn solve(&self, solver: &mut dyn Statics, numbers: &[usize]) -> Result<Solved> {
         solver.set_constants(&self.elastic)?;
-        let (mut solved, mut found) = (Solved::default(), Surrogate::default());
+        let (mut solved, mut equilibria) = (Solved::default(), Surrogate::default());
         for &number in numbers {
             let (level, load) = (&self.levels[number], self.load(number));
             let began = Instant::now();
-            let (equilibrium, passed) = self.equilibrium(level, &load, &found, solver)?;
+            let (equilibrium, passed) = self.level_equilibrium(level, &load, &equilibria, solver)?;
             let forward_seconds = began.elapsed().as_secs_f64();
-            passed.iter().for_each(|shape| found.add(shape.clone()));
+            passed.iter().for_each(|shape| equilibria.add(shape.clone()));
             solved.on_the_way.extend(passed);
             let simulated = self
-                .simulated(number, &load, (equilibrium, forward_seconds), solver)
+                .simulate_level(number, &load, (equilibrium, forward_seconds), solver)
                 .map_err(|e| no_equilibrium(level, e))?;
             let (shape, slopes) = (simulated.shape.clone(), simulated.slopes.clone());
-            found.add(KnownShape { load, shape, slopes });
+            equilibria.add(KnownShape { load, shape, slopes });
             solved.levels.push((number, simulated));
         }
         Ok(solved)
@@ -71,50 +71,50 @@ impl Part<'_> {
     }
 
     /// The equilibrium of a level, and the shapes on the path that was followed where no guess led there.
-    fn equilibrium(
+    fn level_equilibrium(
         &self,
         level: &PressureLevel,
-        to: &Load,
-        found: &Surrogate,
+        load: &Load,
+        equilibria: &Surrogate,
         solver: &mut dyn Statics,
     ) -> Result<(EquilibriumShape, Vec<KnownShape>)> {
-        let prediction = Surrogate::predict(&[found, self.known], to);
-        let near = prediction.as_ref().map(|(near, _)| *near);
-        if let Some(Ok(equilibrium)) = prediction.map(|guess| self.guessed(level, guess, solver)) {
+        let prediction = Surrogate::predict(&[equilibria, self.known], load);
+        let nearest = prediction.as_ref().map(|(nearest, _)| *nearest);
+        if let Some(Ok(equilibrium)) = prediction.map(|guess| self.equilibrium_near_guess(level, guess, solver)) {
             return Ok((equilibrium, Vec::new()));
         }
         // A body of other constants may have its wall on the other side of a buckle, and the way from there crosses it backwards: such a level
         // took minutes. Below this one the same body has buckled or not on the way of rising pressure.
-        let (below, rest) = (found.below(to), KnownShape::at_rest(to, self.unknowns.count()));
-        let (from, steps) = match (Beginning::on_the_way(&below, to), near) {
-            (Some(from), _) => {
-                let steps = from.last_step().map_or(Steps::FROM_NEARBY, |last| Steps::FROM_NEARBY.after(last));
-                (from, steps)
+        let (below, undeformed) = (equilibria.below(load), KnownShape::at_rest(load, self.unknowns.count()));
+        let (beginning, steps) = match (Beginning::on_the_way(&below, load), nearest) {
+            (Some(beginning), _) => {
+                let steps = beginning.last_step().map_or(Steps::FROM_NEARBY, |last| Steps::FROM_NEARBY.after(last));
+                (beginning, steps)
             }
-            (None, Some(near)) => (Beginning::at(near), Steps::FROM_NEARBY),
-            (None, None) => (Beginning::at(&rest), Steps::FROM_REST),
+            (None, Some(nearest)) => (Beginning::at(nearest), Steps::FROM_NEARBY),
+            (None, None) => (Beginning::at(&undeformed), Steps::FROM_REST),
         };
         let Self { elastic, unit, .. } = self;
         // Neither the shapes of other constants nor those before a buckle predict the way: it is extrapolated from its own points.
-        let path = LoadPath { from, to, pressures: &level.pressures, elastic, unit: *unit, steps };
+        let path = LoadPath { from: beginning, to: load, pressures: &level.pressures, elastic, unit: *unit, steps };
         let (points, end) = path.follow(solver, self.settings);
         let end = end.map_err(|e| no_equilibrium(level, e))?;
         Ok((end, points.into_iter().map(|point| KnownShape::new(point.load, point.shape)).collect()))
     }
 
     /// The equilibrium of a level near its guess, which is kriged from known ones: the Gauss-Newton search of Dory took 23 s instead of 40 s.
-    fn guessed(
+    fn equilibrium_near_guess(
         &self,
         level: &PressureLevel,
-        (near, predicted): (&KnownShape, Vec<f64>),
+        (nearest, predicted): (&KnownShape, Vec<f64>),
         solver: &mut dyn Statics,
     ) -> Result<EquilibriumShape> {
         let settings = StaticSettings { max_iterations: GUESSED, ..*self.settings };
-        solver.equilibrium_near(&level.pressures, &near.shape, &predicted, &settings)
+        solver.equilibrium_near(&level.pressures, &nearest.shape, &predicted, &settings)
     }
 
     /// Markers and derivatives at an equilibrium.
-    fn simulated(
+    fn simulate_level(
         &self,
         number: usize,
         load: &Load,
@@ -124,7 +124,7 @@ impl Part<'_> {
         let unknowns = self.unknowns;
         let nothing = LevelCorrection::default();
         let correction = self.corrections.get(number).unwrap_or(&nothing);
-        let markers = corrected(unknowns.markers(&equilibrium.unknowns), &correction.markers);
+        let markers = apply_corrections(unknowns.markers(&equilibrium.unknowns), &correction.markers);
         let began = Instant::now();
         let gradient = match self.derivatives {
             Derivatives::Gradient => solver.loss_by_moduli(&self.loss_by_markers(&self.levels[number], &markers))?,
@@ -132,14 +132,15 @@ impl Part<'_> {
         };
         let fields = match self.derivatives {
             Derivatives::None | Derivatives::Gradient => Vec::new(),
-            wanted => solver.sensitivities(&parameters(wanted, self.elastic.youngs_moduli.len()))?,
+            wanted => solver.sensitivities(&sensitivity_parameters(wanted, self.elastic.youngs_moduli.len()))?,
         };
         let derivative_seconds = began.elapsed().as_secs_f64();
         let mut by_parameter = correction.sensitivities.iter();
-        let of_markers =
-            |field: &Vec<f64>| corrected(unknowns.markers(field), by_parameter.next().map_or(&[], Vec::as_slice));
-        let sensitivities = fields.iter().map(of_markers).collect();
-        let slopes = load.slopes(&self.elastic.youngs_moduli, fields, extra(self.derivatives));
+        let marker_sensitivity = |field: &Vec<f64>| {
+            apply_corrections(unknowns.markers(field), by_parameter.next().map_or(&[], Vec::as_slice))
+        };
+        let sensitivities = fields.iter().map(marker_sensitivity).collect();
+        let slopes = load.slopes(&self.elastic.youngs_moduli, fields, extra_coordinates(self.derivatives));
         let shape = equilibrium.unknowns;
         Ok(SimulatedLevel {
             markers,
@@ -158,9 +159,9 @@ impl Part<'_> {
     fn loss_by_markers(&self, level: &PressureLevel, markers: &[Point2]) -> Vec<Point2> {
         let share = 1.0 / (self.levels.len() * markers.len()) as f64;
         let by_marker = |(simulated, measured): (&Point2, &Point2)| {
-            let away = [simulated[0] - measured[0], simulated[1] - measured[1]];
-            let distance = away[0].hypot(away[1]).max(f64::MIN_POSITIVE);
-            away.map(|part| share * part / distance)
+            let difference = [simulated[0] - measured[0], simulated[1] - measured[1]];
+            let distance = difference[0].hypot(difference[1]).max(f64::MIN_POSITIVE);
+            difference.map(|part| share * part / distance)
         };
         // length: one measured place a marker
         markers.iter().zip(&level.measured).map(by_marker).collect()
@@ -168,20 +169,20 @@ impl Part<'_> {
 }
 
 /// Points with what is added to each; as they are where nothing is.
-fn corrected(mut points: Vec<Point2>, corrections: &[Point2]) -> Vec<Point2> {
+fn apply_corrections(mut points: Vec<Point2>, corrections: &[Point2]) -> Vec<Point2> {
     // length: one correction a marker, or none
-    for (point, by) in points.iter_mut().zip(corrections) {
-        *point = [point[0] + by[0], point[1] + by[1]];
+    for (point, correction) in points.iter_mut().zip(corrections) {
+        *point = [point[0] + correction[0], point[1] + correction[1]];
     }
     points
 }
 
 /// The moduli of all solids, then what else is wanted.
-fn parameters(wanted: Derivatives, solids: usize) -> Vec<Parameter> {
+fn sensitivity_parameters(wanted: Derivatives, solids: usize) -> Vec<Parameter> {
     let moduli = (0..solids).map(Parameter::YoungsModulus);
     match wanted {
         Derivatives::AllSensitivities => moduli.chain((0..solids).map(Parameter::PoissonsRatio)).collect(),
-        Derivatives::StiffeningSensitivities => moduli.chain(TERMS.map(stiffening)).collect(),
+        Derivatives::StiffeningSensitivities => moduli.chain(TERMS.map(stiffening_parameter)).collect(),
         _ => moduli.collect(),
     }
 }
@@ -189,12 +190,12 @@ fn parameters(wanted: Derivatives, solids: usize) -> Vec<Parameter> {
 /// The terms of [`Parameter::Stiffening`].
 const TERMS: [usize; 2] = [0, 1];
 
-fn stiffening(term: usize) -> Parameter {
+fn stiffening_parameter(term: usize) -> Parameter {
     Parameter::Stiffening { region: BODY, term }
 }
 
 /// What sensitivities are by, beside the moduli.
-fn extra(wanted: Derivatives) -> Extra {
+fn extra_coordinates(wanted: Derivatives) -> Extra {
     if wanted == Derivatives::AllSensitivities { Extra::PoissonsRatios } else { Extra::Stiffening }
 }
 

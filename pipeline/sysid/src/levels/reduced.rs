@@ -26,10 +26,11 @@ impl LevelSolver {
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when it knows none, or the body cannot be reduced.
     pub(crate) fn train_reduced(&self) -> Result<Self> {
-        let known = self.known.newest_apart(APART);
-        let regions: Vec<Vec<RegionProperties>> = known.iter().map(|shape| self.regions_under(&shape.load)).collect();
-        let changes: Vec<Vec<Vec<f64>>> = known.iter().map(|shape| scaled_changes(shape)).collect();
-        let training: Vec<Snapshot> = known
+        let training_shapes = self.known.newest_apart(APART);
+        let regions: Vec<Vec<RegionProperties>> =
+            training_shapes.iter().map(|shape| self.regions_under(&shape.load)).collect();
+        let changes: Vec<Vec<Vec<f64>>> = training_shapes.iter().map(|shape| scaled_changes(shape)).collect();
+        let training: Vec<Snapshot> = training_shapes
             .iter()
             .zip(regions.iter().zip(&changes))
             .map(|(shape, (regions, changes))| Snapshot { displacement: &shape.shape, regions, changes })
@@ -37,7 +38,7 @@ impl LevelSolver {
         let reduced = self.model().system.reduce_trained(&training, &SETTINGS);
         let shapes = ReducedShapes::new(self.model(), reduced?);
         let mut coordinates = Surrogate::default();
-        known.iter().rev().for_each(|shape| coordinates.add(projected_shape(shape, &shapes)));
+        training_shapes.iter().rev().for_each(|shape| coordinates.add(projected_shape(shape, &shapes)));
         Ok(self.seeking(Unknowns::Coordinates(shapes.into()), coordinates))
     }
 
@@ -55,22 +56,23 @@ impl LevelSolver {
         whole: &[SimulatedLevel],
     ) -> Result<()> {
         self.corrections = Vec::new();
-        let own = self.solve(elastic, derivatives)?;
-        let difference = |(whole, own): (&Point2, &Point2)| [whole[0] - own[0], whole[1] - own[1]];
+        let reduced_levels = self.solve(elastic, derivatives)?;
+        let difference = |(whole, reduced): (&Point2, &Point2)| [whole[0] - reduced[0], whole[1] - reduced[1]];
         // length: the same markers
-        let differences =
-            |whole: &[Point2], own: &[Point2]| -> Vec<Point2> { whole.iter().zip(own).map(difference).collect() };
-        let of_level = |(whole, own): (&SimulatedLevel, &SimulatedLevel)| LevelCorrection {
-            markers: differences(&whole.markers, &own.markers),
+        let differences = |whole: &[Point2], reduced: &[Point2]| -> Vec<Point2> {
+            whole.iter().zip(reduced).map(difference).collect()
+        };
+        let level_correction = |(whole, reduced): (&SimulatedLevel, &SimulatedLevel)| LevelCorrection {
+            markers: differences(&whole.markers, &reduced.markers),
             // length: of the same parameters
             sensitivities: whole
                 .sensitivities
                 .iter()
-                .zip(&own.sensitivities)
-                .map(|(whole, own)| differences(whole, own))
+                .zip(&reduced.sensitivities)
+                .map(|(whole, reduced)| differences(whole, reduced))
                 .collect(),
         };
-        self.corrections = whole.iter().zip(&own).map(of_level).collect();
+        self.corrections = whole.iter().zip(&reduced_levels).map(level_correction).collect();
         Ok(())
     }
 
@@ -96,20 +98,20 @@ impl LevelSolver {
 }
 
 /// The changes of a shape by each coordinate of its load as far as a search may move it.
-fn scaled_changes(known: &KnownShape) -> Vec<Vec<f64>> {
+fn scaled_changes(shape: &KnownShape) -> Vec<Vec<f64>> {
     let scaled = |Slope { coordinate, slope }: &Slope| {
-        let spread = known.load.spread(*coordinate);
-        slope.iter().map(|by| spread * by).collect()
+        let spread = shape.load.spread(*coordinate);
+        slope.iter().map(|derivative| spread * derivative).collect()
     };
-    known.slopes.iter().map(scaled).collect()
+    shape.slopes.iter().map(scaled).collect()
 }
 
 /// A known shape in reduced coordinates.
-fn projected_shape(known: &KnownShape, onto: &ReducedShapes) -> KnownShape {
-    let slope = |of: &Slope| Slope { coordinate: of.coordinate, slope: onto.projected(&of.slope) };
+fn projected_shape(shape: &KnownShape, onto: &ReducedShapes) -> KnownShape {
+    let slope = |full: &Slope| Slope { coordinate: full.coordinate, slope: onto.projected(&full.slope) };
     KnownShape {
-        load: known.load.clone(),
-        shape: onto.projected(&known.shape),
-        slopes: known.slopes.iter().map(slope).collect(),
+        load: shape.load.clone(),
+        shape: onto.projected(&shape.shape),
+        slopes: shape.slopes.iter().map(slope).collect(),
     }
 }

@@ -31,10 +31,10 @@ impl LevelSolver {
     /// A solver over the levels with this many parallel solvers; of the settings, tolerance and iterations of Newton's method count.
     pub fn new(model: Model, levels: Vec<PressureLevel>, settings: StaticSettings, parallel: usize) -> Self {
         let highest = levels.iter().map(PressureLevel::top).fold(f64::MIN_POSITIVE, f64::max);
-        let (unit, known) = (highest / model.nominal.youngs_moduli[BODY], Surrogate::default());
+        let (unit, surrogate) = (highest / model.nominal.youngs_moduli[BODY], Surrogate::default());
         let unknowns = Unknowns::Nodes(model.clone());
         let solvers = (0..parallel.clamp(1, levels.len().max(1))).map(|_| unknowns.solver()).collect();
-        Self { model, levels, settings, unknowns, solvers, known, unit, corrections: Vec::new() }
+        Self { model, levels, settings, unknowns, solvers, known: surrogate, unit, corrections: Vec::new() }
     }
 
     /// What it solves.
@@ -50,15 +50,15 @@ impl LevelSolver {
     /// The same equilibria as initial guesses for other `levels` or `settings` of the same specimen.
     pub fn with(&self, levels: Vec<PressureLevel>, settings: StaticSettings) -> Self {
         let corrections = if levels.len() == self.levels.len() { self.corrections.clone() } else { Vec::new() };
-        let known = self.known.clone();
-        Self { levels, settings, corrections, ..self.seeking(self.unknowns.clone(), known) }
+        let surrogate = self.known.clone();
+        Self { levels, settings, corrections, ..self.seeking(self.unknowns.clone(), surrogate) }
     }
 
     /// The same levels in other unknowns, in which it knows these shapes.
-    pub(super) fn seeking(&self, unknowns: Unknowns, known: Surrogate) -> Self {
+    pub(super) fn seeking(&self, unknowns: Unknowns, surrogate: Surrogate) -> Self {
         let solvers = self.solvers.iter().map(|_| unknowns.solver()).collect();
         let (model, levels, settings, unit) = (self.model.clone(), self.levels.clone(), self.settings, self.unit);
-        Self { model, levels, settings, unknowns, solvers, known, unit, corrections: Vec::new() }
+        Self { model, levels, settings, unknowns, solvers, known: surrogate, unit, corrections: Vec::new() }
     }
 
     /// Follows the equilibria with these constants, from rest or the highest that is known, to `reach` times the highest pressure of each
@@ -67,31 +67,31 @@ impl LevelSolver {
     /// # Errors
     /// A [`Diagnostic`] when a solver panics.
     pub(crate) fn follow_paths(&mut self, elastic: &Elastic, reach: f64) -> Result<f64> {
-        let tops: Vec<PressureLevel> = tops(&self.levels).into_iter().map(|top| top.scaled(reach)).collect();
-        let mut all = 1.0_f64;
-        for path in parallel(&tops, self.solvers.len(), |level| Ok(self.path_to(level, elastic))) {
+        let tops: Vec<PressureLevel> = highest_levels(&self.levels).into_iter().map(|top| top.scaled(reach)).collect();
+        let mut lowest_part = 1.0_f64;
+        for path in run_parallel(&tops, self.solvers.len(), |level| Ok(self.path_to(level, elastic))) {
             let (shapes, reached) = path?;
-            all = all.min(reached);
+            lowest_part = lowest_part.min(reached);
             shapes.into_iter().for_each(|shape| self.known.add(shape));
         }
-        Ok(all * reach)
+        Ok(lowest_part * reach)
     }
 
     /// Loads and shapes on the path to `level`, and the part of its pressure that was reached.
     fn path_to(&self, level: &PressureLevel, elastic: &Elastic) -> (Vec<KnownShape>, f64) {
-        let to = Load::new(level.filled(), level.top(), elastic, self.unit);
-        let below = self.known.below(&to);
-        let begin = below.last().map_or(0.0, |from| from.load.part_of(&to));
-        let rest = KnownShape::at_rest(&to, self.unknowns.count());
-        let from = Beginning::on_the_way(&below, &to).unwrap_or(Beginning::at(&rest));
+        let target = Load::new(level.filled(), level.top(), elastic, self.unit);
+        let below = self.known.below(&target);
+        let begin = below.last().map_or(0.0, |nearest| nearest.load.part_of(&target));
+        let undeformed = KnownShape::at_rest(&target, self.unknowns.count());
+        let beginning = Beginning::on_the_way(&below, &target).unwrap_or(Beginning::at(&undeformed));
         let (pressures, unit, steps) = (level.pressures.as_slice(), self.unit, Steps::FROM_REST.over(1.0 - begin));
-        let path = LoadPath { from, to: &to, pressures, elastic, unit, steps };
+        let path = LoadPath { from: beginning, to: &target, pressures, elastic, unit, steps };
         let settings = StaticSettings { tolerance: EXPLORED, ..self.settings };
         let (points, end) = path.follow(self.unknowns.solver().as_mut(), &settings);
         let part = if end.is_ok() { 1.0 } else { points.last().map_or(0.0, |last| last.part) };
         let reached = begin + (1.0 - begin) * part;
         let on_the_way = points.into_iter().map(|point| KnownShape::new(point.load, point.shape));
-        (on_the_way.chain(end.ok().map(|end| KnownShape::new(to, end.unknowns))).collect(), reached)
+        (on_the_way.chain(end.ok().map(|end| KnownShape::new(target, end.unknowns))).collect(), reached)
     }
 
     /// All levels with these constants.
@@ -102,28 +102,28 @@ impl LevelSolver {
         if self.known.is_empty() {
             self.follow_paths(elastic, 1.0)?;
         }
-        let shares = shares(&self.levels, self.solvers.len());
+        let shares = level_shares(&self.levels, self.solvers.len());
         let Self { levels, settings, unknowns, solvers, known, unit, corrections, .. } = self;
         let (unit, elastic) = (*unit, elastic.clone());
         let part = Part { unknowns, corrections, levels, settings, known, unit, elastic, derivatives };
         let count = solvers.len();
-        let each = solvers.iter_mut().zip(&shares);
-        let parts = parallel(each, count, |(solver, share)| part.solve(solver.as_mut(), share));
-        let Solved { levels: mut all, on_the_way } =
-            parts.into_iter().try_fold(Solved::default(), |all, part| part.map(|part| all.and(part)))?;
-        all.sort_by_key(|(level, _)| *level);
-        let loads: Vec<Load> = (0..all.len()).map(|level| part.load(level)).collect();
+        let tasks = solvers.iter_mut().zip(&shares);
+        let parts = run_parallel(tasks, count, |(solver, share)| part.solve(solver.as_mut(), share));
+        let Solved { levels: mut solved, on_the_way } =
+            parts.into_iter().try_fold(Solved::default(), |merged, part| part.map(|part| merged.and(part)))?;
+        solved.sort_by_key(|(level, _)| *level);
+        let loads: Vec<Load> = (0..solved.len()).map(|level| part.load(level)).collect();
         on_the_way.into_iter().for_each(|shape| self.known.add(shape));
-        for (load, (_, simulated)) in loads.into_iter().zip(&mut all) {
+        for (load, (_, simulated)) in loads.into_iter().zip(&mut solved) {
             let (shape, slopes) = (std::mem::take(&mut simulated.shape), std::mem::take(&mut simulated.slopes));
             self.known.add(KnownShape { load, shape, slopes });
         }
-        Ok(all.into_iter().map(|(_, simulated)| simulated).collect())
+        Ok(solved.into_iter().map(|(_, simulated)| simulated).collect())
     }
 }
 
 /// The levels by filled chamber and rising pressure, in parts of equal length, so that successive equilibria are close.
-fn shares(levels: &[PressureLevel], count: usize) -> Vec<Vec<usize>> {
+fn level_shares(levels: &[PressureLevel], count: usize) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..levels.len()).collect();
     let key = |level: usize| (levels[level].filled(), levels[level].top());
     order.sort_by(|&a, &b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
@@ -132,7 +132,7 @@ fn shares(levels: &[PressureLevel], count: usize) -> Vec<Vec<usize>> {
 }
 
 /// The level of the highest pressure of each filled chamber.
-fn tops(levels: &[PressureLevel]) -> Vec<&PressureLevel> {
+fn highest_levels(levels: &[PressureLevel]) -> Vec<&PressureLevel> {
     let mut tops: Vec<&PressureLevel> = Vec::new();
     for level in levels {
         match tops.iter_mut().find(|top| top.filled() == level.filled()) {
@@ -144,23 +144,23 @@ fn tops(levels: &[PressureLevel]) -> Vec<&PressureLevel> {
     tops
 }
 
-/// `work` on all `of` in this order, `count` at a time.
-fn parallel<T: Send, R: Send>(
-    of: impl IntoIterator<Item = T>,
+/// `work` on all `inputs` in this order, `count` at a time.
+fn run_parallel<T: Send, R: Send>(
+    inputs: impl IntoIterator<Item = T>,
     count: usize,
     work: impl Fn(T) -> Result<R> + Sync,
 ) -> Vec<Result<R>> {
-    let (mut left, mut done, work) = (of.into_iter().peekable(), Vec::new(), &work);
-    while left.peek().is_some() {
-        let some: Vec<T> = left.by_ref().take(count).collect();
+    let (mut queue, mut results, work) = (inputs.into_iter().peekable(), Vec::new(), &work);
+    while queue.peek().is_some() {
+        let batch: Vec<T> = queue.by_ref().take(count).collect();
         std::thread::scope(|scope| {
-            let handles: Vec<_> = some.into_iter().map(|one| scope.spawn(move || work(one))).collect();
-            done.extend(handles.into_iter().map(|h| h.join().unwrap_or_else(|_| Err(panicked()))));
+            let handles: Vec<_> = batch.into_iter().map(|input| scope.spawn(move || work(input))).collect();
+            results.extend(handles.into_iter().map(|h| h.join().unwrap_or_else(|_| Err(panic_diagnostic()))));
         });
     }
-    done
+    results
 }
 
-fn panicked() -> Diagnostic {
+fn panic_diagnostic() -> Diagnostic {
     Diagnostic::new("a solver panicked", "the lines above name the place", "report it with the card and the STL files")
 }

@@ -122,8 +122,12 @@ impl Unknowns {
         match self {
             Self::Nodes(model) => model.markers.iter().map(|spot| Model::in_plane(spot, unknowns)).collect(),
             Self::Coordinates(shapes) => {
-                let moved = &shapes.markers * DVector::from_column_slice(unknowns);
-                moved.as_slice().chunks_exact(2).map(|place| [place[0], place[1]]).collect()
+                let displacements = &shapes.markers * DVector::from_column_slice(unknowns);
+                displacements
+                    .as_slice()
+                    .chunks_exact(2)
+                    .map(|displacement| [displacement[0], displacement[1]])
+                    .collect()
             }
         }
     }
@@ -167,9 +171,9 @@ impl Statics for WholeBody {
 
     fn loss_by_moduli(&mut self, by_markers: &[Point2]) -> Result<Vec<f64>> {
         let mut by_displacement = vec![0.0; self.last.displacement.len()];
-        for (spot, by) in self.model.markers.iter().zip(by_markers) {
+        for (spot, gradient) in self.model.markers.iter().zip(by_markers) {
             for &(node, weight) in &spot.weights {
-                (0..2).for_each(|axis| by_displacement[3 * node as usize + axis] += weight * by[axis]);
+                (0..2).for_each(|axis| by_displacement[3 * node as usize + axis] += weight * gradient[axis]);
             }
         }
         let regions = self.solver.adjoint(&self.last, &by_displacement)?;
@@ -185,10 +189,10 @@ struct ReducedBody {
 }
 
 impl ReducedBody {
-    fn last(&self) -> Result<&ReducedEquilibrium> {
+    fn last_equilibrium(&self) -> Result<&ReducedEquilibrium> {
         self.last.as_ref().ok_or_else(|| {
-            let why = "no equilibrium was solved for before";
-            Diagnostic::new("a reduced body has no derivatives yet", why, "report it with the card")
+            let reason = "no equilibrium was solved for before";
+            Diagnostic::new("a reduced body has no derivatives yet", reason, "report it with the card")
         })
     }
 }
@@ -210,22 +214,22 @@ impl Statics for ReducedBody {
         _: &StaticSettings,
     ) -> Result<EquilibriumShape> {
         let [nearby, predicted] = [nearby, predicted].map(DVector::from_column_slice);
-        let found = self.solver.equilibrium_near(pressures, &nearby, &predicted)?;
-        let unknowns = found.coordinates.data.as_vec().clone();
-        self.last = Some(found);
+        let equilibrium = self.solver.equilibrium_near(pressures, &nearby, &predicted)?;
+        let unknowns = equilibrium.coordinates.data.as_vec().clone();
+        self.last = Some(equilibrium);
         Ok(EquilibriumShape { unknowns, factorisations: 0 })
     }
 
     fn sensitivities(&mut self, parameters: &[Parameter]) -> Result<Vec<Vec<f64>>> {
-        let last = self.last()?;
-        let by = |parameter: &Parameter| Ok(self.solver.sensitivity(last, *parameter)?.data.into());
-        parameters.iter().map(by).collect()
+        let last = self.last_equilibrium()?;
+        let sensitivity = |parameter: &Parameter| Ok(self.solver.sensitivity(last, *parameter)?.data.into());
+        parameters.iter().map(sensitivity).collect()
     }
 
     fn loss_by_moduli(&mut self, by_markers: &[Point2]) -> Result<Vec<f64>> {
         let by_markers = DVector::from_iterator(2 * by_markers.len(), by_markers.iter().flatten().copied());
         let by_coordinates = self.shapes.markers.tr_mul(&by_markers);
         let moduli: Vec<Parameter> = (0..self.shapes.regions.len()).map(Parameter::YoungsModulus).collect();
-        Ok(self.solver.adjoint(self.last()?, &by_coordinates, &moduli)?)
+        Ok(self.solver.adjoint(self.last_equilibrium()?, &by_coordinates, &moduli)?)
     }
 }

@@ -100,12 +100,12 @@ impl Film {
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
     pub(super) fn residuals(&self, body: &ReducedBody) -> Result<Vec<f64>> {
-        let path = self.simulated(body)?;
-        let off = |window: &Window| {
+        let path = self.simulate_path(body)?;
+        let residuals = |window: &Window| {
             let (simulated, measured) = window.compared(&path, self.footage.exposure);
             simulated.into_iter().zip(measured).map(|(s, m)| s - m).collect::<Vec<f64>>()
         };
-        Ok(self.footage.windows.iter().flat_map(off).collect())
+        Ok(self.footage.windows.iter().flat_map(residuals).collect())
     }
 
     /// Every window with its simulation.
@@ -113,10 +113,10 @@ impl Film {
     /// # Errors
     /// As [`Film::residuals`].
     pub(super) fn transients(&self, body: &ReducedBody) -> Result<Vec<Transient>> {
-        let path = self.simulated(body)?;
+        let path = self.simulate_path(body)?;
         let shown = |window: &Window| {
             let (simulated, measured) = window.compared(&path, self.footage.exposure);
-            let lateral = |of: Vec<f64>| of[window.times.len()..].to_vec();
+            let lateral = |displacement: Vec<f64>| displacement[window.times.len()..].to_vec();
             Transient {
                 time_s: window.times.iter().map(|t| t - window.begin).collect(),
                 measured_m: lateral(measured),
@@ -128,7 +128,7 @@ impl Film {
     }
 
     /// Displacement of the marker along x and y, m, as functions of the film's time.
-    fn simulated(&self, body: &ReducedBody) -> Result<[Samples; 2]> {
+    fn simulate_path(&self, body: &ReducedBody) -> Result<[Samples; 2]> {
         let begin = self.footage.windows[0].begin;
         let settings = DynamicSettings { step: self.step, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
         let pressures = |t: Second| self.gauges.iter().map(|gauge| gauge.at(begin + t)).collect();
@@ -146,7 +146,7 @@ impl Film {
 impl Window {
     /// Whether the marker does not move at all, or is hardly seen: residuals would vanish at any scale, and nothing would be identified.
     pub fn is_still(&self) -> bool {
-        self.seen.len() < 3 || self.seen.iter().all(|at| *at == self.seen[0])
+        self.seen.len() < 3 || self.seen.iter().all(|position| *position == self.seen[0])
     }
 
     /// Measured displacement along x and y, each about its mean, m.

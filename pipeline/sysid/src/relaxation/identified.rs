@@ -74,44 +74,50 @@ impl IdentifiedSpectrum {
     /// # Errors
     /// As [`IdentifiedSpectrum::relaxation`].
     pub fn sigma_at(&self, frequency: Hertz) -> Result<[f64; 2]> {
-        let here = self.at(frequency)?;
+        let nominal = self.at(frequency)?;
         let slope = |k: usize| {
             let mut nudge = vec![0.0; self.branches.len()];
             nudge[k] = NUDGE;
-            let there = self.shifted(&nudge).at(frequency)?;
-            Ok([0, 1].map(|q| (there[q] - here[q]) / NUDGE))
+            let perturbed = self.shifted_spectrum(&nudge).at(frequency)?;
+            Ok([0, 1].map(|q| (perturbed[q] - nominal[q]) / NUDGE))
         };
         let slopes = (0..self.branches.len()).map(slope).collect::<Result<Vec<_>>>()?;
         let variance = |q: usize| {
             let pairs = (0..slopes.len()).flat_map(|i| (0..slopes.len()).map(move |j| (i, j)));
-            pairs.map(|(i, j)| slopes[i][q] * self.covariance(i, j) * slopes[j][q]).sum::<f64>()
+            pairs.map(|(i, j)| slopes[i][q] * self.strength_covariance(i, j) * slopes[j][q]).sum::<f64>()
         };
         Ok([0, 1].map(|q| variance(q).max(0.0).sqrt()))
     }
 
     /// The spectrum that would have been identified with the logarithms of the moduli off by `moduli`.
     pub fn following(&self, moduli: &[f64]) -> Self {
-        let of = |k: usize| moduli.iter().zip(&self.modulus_response).map(|(by, follows)| by * follows[k]).sum();
-        self.shifted(&(0..self.branches.len()).map(of).collect::<Vec<_>>())
+        let shift = |k: usize| {
+            moduli.iter().zip(&self.modulus_response).map(|(deviation, response)| deviation * response[k]).sum()
+        };
+        self.shifted_spectrum(&(0..self.branches.len()).map(shift).collect::<Vec<_>>())
     }
 
     /// The spectrum off by `part` of a standard deviation along each principal axis of the strengths' covariance.
     pub fn deviations(&self, part: f64) -> impl Iterator<Item = Self> + '_ {
-        let axes = deviations(self.branches.len(), &|i, j| part * part * self.covariance(i, j));
-        axes.into_iter().map(|by| self.shifted(&by))
+        let axes = deviations(self.branches.len(), &|i, j| part * part * self.strength_covariance(i, j));
+        axes.into_iter().map(|deviation| self.shifted_spectrum(&deviation))
     }
 
     /// Of the logarithms of two strengths, the moduli given.
-    fn covariance(&self, i: usize, j: usize) -> f64 {
+    fn strength_covariance(&self, i: usize, j: usize) -> f64 {
         let count = self.branches.len();
         self.branches[i].sigma * self.branches[j].sigma * self.correlation[i * count + j]
     }
 
-    /// With the logarithms of the strengths off by `by`.
-    fn shifted(&self, by: &[f64]) -> Self {
-        let mut other = self.clone();
-        other.branches.iter_mut().zip(by).for_each(|(branch, by)| branch.strength *= by.exp());
-        other
+    /// With the logarithms of the strengths off by `log_factors`.
+    fn shifted_spectrum(&self, log_factors: &[f64]) -> Self {
+        let mut shifted = self.clone();
+        shifted
+            .branches
+            .iter_mut()
+            .zip(log_factors)
+            .for_each(|(branch, log_factor)| branch.strength *= log_factor.exp());
+        shifted
     }
 }
 

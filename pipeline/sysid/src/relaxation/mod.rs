@@ -85,8 +85,8 @@ const REWEIGHTED: usize = 2;
 /// Bounds of a strength.
 const BOUNDS: [f64; 2] = [1e-4, 2.0];
 
-fn maxwell(knots: &Knots, at: &[f64]) -> Result<Relaxation> {
-    Relaxation::maxwell(&knots.branches(at)).map_err(Diagnostic::from)
+fn maxwell_relaxation(knots: &Knots, point: &[f64]) -> Result<Relaxation> {
+    Relaxation::maxwell(&knots.branches(point)).map_err(Diagnostic::from)
 }
 
 /// One search: of the strengths at which knots, where it begins, the deviation of a residual (m), and iterations at most.
@@ -109,49 +109,51 @@ impl SpectrumProblem<'_> {
         let knots = Knots { times: set.times.clone(), per_interval: set.branches_per_interval, median };
         let start = knots.median.clone();
         let search = Search { knots: &knots, start, sigma: set.sigma, iterations: set.iterations };
-        let first = self.minimise(search, progress)?;
+        let first = self.minimise_misfit(search, progress)?;
         let (knots, start) = knots.freed(&first.at);
-        let values = self.residuals(maxwell(&knots, &start)?)?;
-        let correlation = self.correlation(&values);
-        let sigma = rms(&values) * correlation.sqrt();
-        let best = self.minimise(Search { knots: &knots, start, sigma, iterations: REWEIGHTED }, progress)?;
-        self.concluded((&knots, sigma), &best, correlation)
+        let values = self.film_residuals(maxwell_relaxation(&knots, &start)?)?;
+        let correlation = self.correlation_frames(&values);
+        let sigma = rms_distance(&values) * correlation.sqrt();
+        let best = self.minimise_misfit(Search { knots: &knots, start, sigma, iterations: REWEIGHTED }, progress)?;
+        self.assemble_result((&knots, sigma), &best, correlation)
     }
 
-    fn body(&self, relaxation: Relaxation) -> ReducedBody {
+    fn relaxed_body(&self, relaxation: Relaxation) -> ReducedBody {
         self.reduced.with(self.model, &Viscoelastic::measured_at(self.modulus_time, self.held.clone(), relaxation))
     }
 
     /// Residuals of every film with a relaxation, m.
-    fn residuals(&self, relaxation: Relaxation) -> Result<Vec<f64>> {
-        let body = self.body(relaxation);
-        let each: Vec<Vec<f64>> = self.films.par_iter().map(|film| film.residuals(&body)).collect::<Result<_>>()?;
-        Ok(each.concat())
+    fn film_residuals(&self, relaxation: Relaxation) -> Result<Vec<f64>> {
+        let body = self.relaxed_body(relaxation);
+        let by_film: Vec<Vec<f64>> = self.films.par_iter().map(|film| film.residuals(&body)).collect::<Result<_>>()?;
+        Ok(by_film.concat())
     }
 
     /// Residuals over `sigma` (m) with those of the prior behind them, and the Jacobian of both.
-    fn evaluate(&self, knots: &Knots, at: &[f64], sigma: Metre) -> Result<Evaluation> {
+    fn evaluate_point(&self, knots: &Knots, point: &[f64], sigma: Metre) -> Result<Evaluation> {
         let nudged = |k: Option<usize>| -> Vec<f64> {
-            at.iter().enumerate().map(|(i, x)| x + if Some(i) == k { NUDGE } else { 0.0 }).collect()
+            point.iter().enumerate().map(|(i, x)| x + if Some(i) == k { NUDGE } else { 0.0 }).collect()
         };
-        let points: Vec<Vec<f64>> = std::iter::once(None).chain((0..at.len()).map(Some)).map(nudged).collect();
-        let simulated: Vec<Vec<f64>> =
-            points.par_iter().map(|at| self.residuals(maxwell(knots, at)?)).collect::<Result<_>>()?;
+        let points: Vec<Vec<f64>> = std::iter::once(None).chain((0..point.len()).map(Some)).map(nudged).collect();
+        let simulated: Vec<Vec<f64>> = points
+            .par_iter()
+            .map(|point| self.film_residuals(maxwell_relaxation(knots, point)?))
+            .collect::<Result<_>>()?;
         let mut residuals = Residuals { values: Vec::new(), jacobian: Vec::new() };
         for (i, value) in simulated[0].iter().enumerate() {
             residuals.values.push(value / sigma);
             residuals.jacobian.extend(simulated[1..].iter().map(|s| (s[i] - value) / (NUDGE * sigma)));
         }
         let width = self.settings.prior_sigma;
-        for (k, x) in at.iter().enumerate() {
+        for (k, x) in point.iter().enumerate() {
             residuals.values.push((x - knots.median[k]) / width);
-            residuals.jacobian.extend((0..at.len()).map(|j| if j == k { 1.0 / width } else { 0.0 }));
+            residuals.jacobian.extend((0..point.len()).map(|j| if j == k { 1.0 / width } else { 0.0 }));
         }
         let loss = residuals.half_sum_of_squares();
-        Ok(Evaluation { at: at.to_vec(), loss, gradient: None, residuals: Some(residuals) })
+        Ok(Evaluation { at: point.to_vec(), loss, gradient: None, residuals: Some(residuals) })
     }
 
-    fn minimise(
+    fn minimise_misfit(
         &self,
         Search { knots, start, sigma, iterations }: Search,
         progress: &dyn Fn(f64),
@@ -168,20 +170,20 @@ impl SpectrumProblem<'_> {
         let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
             evaluated += batch.len();
             progress((evaluated as f64 / iterations as f64).min(1.0));
-            batch.iter().map(|at| self.evaluate(knots, at, sigma).map_err(Interrupted)).collect()
+            batch.iter().map(|point| self.evaluate_point(knots, point, sigma).map_err(Interrupted)).collect()
         };
         Ok(optimize::minimise(&mut optimiser as &mut dyn Optimiser, &mut problem).map_err(|stop| stop.0)?.best)
     }
 
     /// Frames that count as one independent one, the mean over windows and axes.
-    fn correlation(&self, residuals: &[f64]) -> f64 {
-        let (mut rest, mut each) = (residuals, Vec::new());
+    fn correlation_frames(&self, residuals: &[f64]) -> f64 {
+        let (mut remaining, mut correlations) = (residuals, Vec::new());
         for frames in self.films.iter().flat_map(Film::frames).flat_map(|frames| [frames; 2]) {
-            let (own, after) = rest.split_at(frames);
-            rest = after;
-            each.push(integrated_correlation(own));
+            let (window, following) = remaining.split_at(frames);
+            remaining = following;
+            correlations.push(integrated_correlation(window));
         }
-        each.iter().sum::<f64>() / each.len().max(1) as f64
+        correlations.iter().sum::<f64>() / correlations.len().max(1) as f64
     }
 
     /// Covariance of the parameters at the best point, whose residuals are in units of their deviations.
@@ -189,36 +191,38 @@ impl SpectrumProblem<'_> {
     // nearly are. What errs alike in all windows is not in it. On the bench's paper profile the errors of storage and loss from 1 to 8 Hz are 1.5
     // of these deviations, root mean square over three tails, and at most 2.8; with one branch a decade, whose ripple is none of the silicone's,
     // they were 2.2 and at most 4.8.
-    fn covariance(&self, best: &Evaluation) -> Result<DMatrix<f64>> {
+    fn parameter_covariance(&self, best: &Evaluation) -> Result<DMatrix<f64>> {
         let best = residuals_of(best)?;
         let count = best.jacobian.len() / best.values.len();
         let jacobian = DMatrix::from_row_slice(best.values.len(), count, &best.jacobian);
         let data = best.values.len() - count;
-        let [expected, prior] = [(0, data), (data, count)].map(|(first, rows)| information(&jacobian, first, rows));
+        let [expected, prior] =
+            [(0, data), (data, count)].map(|(first, rows)| fisher_information(&jacobian, first, rows));
         let windows: Vec<usize> = self.films.iter().flat_map(Film::frames).map(|frames| 2 * frames).collect();
-        (godambe(best, &windows, expected) + prior).try_inverse().ok_or_else(|| {
-            let why = "its prior is infinitely wide";
-            Diagnostic::new("the relaxation has no covariance", why, "correct prior_sigma in study.toml")
+        (godambe_information(best, &windows, expected) + prior).try_inverse().ok_or_else(|| {
+            let reason = "its prior is infinitely wide";
+            Diagnostic::new("the relaxation has no covariance", reason, "correct prior_sigma in study.toml")
         })
     }
 
     /// By how much the strengths follow each modulus at the best point, all in logarithms: moduli × strengths.
     fn modulus_response(&self, best: &Evaluation, knots: &Knots, sigma: Metre) -> Result<Vec<Vec<f64>>> {
-        let (relaxation, here) = (maxwell(knots, &best.at)?, residuals_of(best)?);
+        let (relaxation, nominal) = (maxwell_relaxation(knots, &best.at)?, residuals_of(best)?);
         let follows = |k: usize| {
-            let mut other = self.clone();
-            other.held.youngs_moduli[k] *= NUDGE.exp();
-            let there = other.residuals(relaxation.clone())?;
+            let mut perturbed_problem = self.clone();
+            perturbed_problem.held.youngs_moduli[k] *= NUDGE.exp();
+            let perturbed = perturbed_problem.film_residuals(relaxation.clone())?;
             let prior = vec![0.0; best.at.len()];
-            let change = there.iter().zip(&here.values).map(|(there, here)| (there / sigma - here) / NUDGE);
-            Ok(here.response(&change.chain(prior).collect::<Vec<_>>(), best.at.len())?)
+            let change =
+                perturbed.iter().zip(&nominal.values).map(|(perturbed, nominal)| (perturbed / sigma - nominal) / NUDGE);
+            Ok(nominal.response(&change.chain(prior).collect::<Vec<_>>(), best.at.len())?)
         };
         (0..self.held.youngs_moduli.len()).into_par_iter().map(follows).collect()
     }
 
     /// The spectrum at the best point, whose residuals are in units of `sigma` (m).
-    fn spectrum(&self, knots: &Knots, best: &Evaluation, sigma: Metre) -> Result<IdentifiedSpectrum> {
-        let covariance = self.covariance(best)?;
+    fn identified_spectrum(&self, knots: &Knots, best: &Evaluation, sigma: Metre) -> Result<IdentifiedSpectrum> {
+        let covariance = self.parameter_covariance(best)?;
         let count = covariance.nrows();
         let deviation: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         let branch = |(k, branch): (usize, Branch)| IdentifiedBranch {
@@ -236,34 +240,34 @@ impl SpectrumProblem<'_> {
         })
     }
 
-    fn concluded(&self, (knots, sigma): (&Knots, Metre), best: &Evaluation, correlation: f64) -> Result<Found> {
-        let relaxation = maxwell(knots, &best.at)?;
+    fn assemble_result(&self, (knots, sigma): (&Knots, Metre), best: &Evaluation, correlation: f64) -> Result<Found> {
+        let relaxation = maxwell_relaxation(knots, &best.at)?;
         Ok(Found {
-            spectrum: self.spectrum(knots, best, sigma)?,
-            rmse: rms(&self.residuals(relaxation.clone())?),
-            elastic_rmse: rms(&self.residuals(Relaxation::default())?),
+            spectrum: self.identified_spectrum(knots, best, sigma)?,
+            rmse: rms_distance(&self.film_residuals(relaxation.clone())?),
+            elastic_rmse: rms_distance(&self.film_residuals(Relaxation::default())?),
             correlation_time: correlation * self.films[0].frame_interval(),
-            transients: self.films[0].transients(&self.body(relaxation))?,
+            transients: self.films[0].transients(&self.relaxed_body(relaxation))?,
         })
     }
 }
 
 /// JᵀJ of the rows from `first` on.
-fn information(jacobian: &DMatrix<f64>, first: usize, rows: usize) -> DMatrix<f64> {
+fn fisher_information(jacobian: &DMatrix<f64>, first: usize, rows: usize) -> DMatrix<f64> {
     let part = jacobian.rows(first, rows);
     part.tr_mul(&part)
 }
 
 /// The information of residuals that are alike within windows, of so many rows each: Godambe's J S⁻¹ J of the `expected` information J and
 /// the scatter S of the windows' gradients, but in no direction more than J [liang1986].
-fn godambe(best: &Residuals, windows: &[usize], expected: DMatrix<f64>) -> DMatrix<f64> {
+fn godambe_information(best: &Residuals, windows: &[usize], expected: DMatrix<f64>) -> DMatrix<f64> {
     let (count, parameters) = (windows.len(), expected.nrows());
     let Some(factor) = expected.clone().cholesky().filter(|_| count > parameters) else { return expected };
     let (mut scatter, mut first) = (DMatrix::zeros(parameters, parameters), 0);
     for rows in windows {
         let range = first * parameters..(first + rows) * parameters;
-        let own = DMatrix::from_row_slice(*rows, parameters, &best.jacobian[range]);
-        let gradient = own.tr_mul(&DVector::from_column_slice(&best.values[first..first + rows]));
+        let window_jacobian = DMatrix::from_row_slice(*rows, parameters, &best.jacobian[range]);
+        let gradient = window_jacobian.tr_mul(&DVector::from_column_slice(&best.values[first..first + rows]));
         scatter += &gradient * gradient.transpose();
         first += rows;
     }
@@ -275,13 +279,13 @@ fn godambe(best: &Residuals, windows: &[usize], expected: DMatrix<f64>) -> DMatr
     let Some(split) = whitened.map(|both| SymmetricEigen::new(0.5 * (&both + both.transpose()))) else {
         return expected;
     };
-    let kept = DMatrix::from_diagonal(&split.eigenvalues.map(|value| 1.0 / value.max(1.0)));
+    let inverse_eigenvalues = DMatrix::from_diagonal(&split.eigenvalues.map(|value| 1.0 / value.max(1.0)));
     let turned = lower * split.eigenvectors;
-    &turned * kept * turned.transpose()
+    &turned * inverse_eigenvalues * turned.transpose()
 }
 
 /// Root mean square distance, of x and y one after the other.
-fn rms(values: &[f64]) -> Metre {
+fn rms_distance(values: &[f64]) -> Metre {
     (2.0 * values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
@@ -298,7 +302,7 @@ mod tests {
     #[test]
     fn rows_that_err_alike_in_a_window_count_as_one_witness() {
         let errors = [1.0, -1.0, 2.0, -2.0, 1.0, -1.0];
-        let found = godambe(&windows(&errors), &[10; 6], DMatrix::from_element(1, 1, 60.0))[(0, 0)];
+        let found = godambe_information(&windows(&errors), &[10; 6], DMatrix::from_element(1, 1, 60.0))[(0, 0)];
         // S = 6/5 Σ (10 e)² = 6/5 · 1200, and 60² / S = 2.5
         assert!((found - 2.5).abs() < 1e-9, "{found}");
     }
@@ -306,9 +310,9 @@ mod tests {
     #[test]
     fn windows_that_agree_by_chance_or_are_too_few_leave_the_information_as_it_is() {
         let expected = || DMatrix::from_element(1, 1, 60.0);
-        let alike = godambe(&windows(&[1e-3, -1e-3, 1e-3, -1e-3, 1e-3, -1e-3]), &[10; 6], expected());
+        let alike = godambe_information(&windows(&[1e-3, -1e-3, 1e-3, -1e-3, 1e-3, -1e-3]), &[10; 6], expected());
         assert!((alike[(0, 0)] - 60.0).abs() < 1e-9);
-        assert_eq!(godambe(&windows(&[5.0; 6]), &[60], expected()), expected());
+        assert_eq!(godambe_information(&windows(&[5.0; 6]), &[60], expected()), expected());
     }
 
     /// Two lines through the origin that are seen in windows in turn: each is as certain as if it were alone.
@@ -317,7 +321,8 @@ mod tests {
         let errors = [1.0, 2.0, -1.0, -2.0, 2.0, 4.0, -2.0, -4.0, 1.0, 2.0, -1.0, -2.0];
         let values = errors.iter().flat_map(|error| [*error; 10]).collect();
         let jacobian = (0..120).flat_map(|row| if row / 10 % 2 == 0 { [1.0, 0.0] } else { [0.0, 1.0] }).collect();
-        let found = godambe(&Residuals { values, jacobian }, &[10; 12], DMatrix::from_diagonal_element(2, 2, 60.0));
+        let found =
+            godambe_information(&Residuals { values, jacobian }, &[10; 12], DMatrix::from_diagonal_element(2, 2, 60.0));
         // S = 12/10 Σ (10 e)², and 60² / S
         let should = DMatrix::from_row_slice(2, 2, &[2.5, 0.0, 0.0, 0.625]);
         assert!((&found - should).norm() < 1e-9, "{found}");

@@ -20,31 +20,31 @@ pub(super) struct Knots {
 }
 
 impl Knots {
-    /// A knot at every branch, and the strengths there (logarithms) of a spectrum with those `at` the knots.
-    pub(super) fn freed(&self, at: &[f64]) -> (Self, Vec<f64>) {
-        let strengths = |at: &[f64]| self.branches(at).iter().map(|b| b.strength.ln()).collect();
-        let times = self.branches(at).iter().map(|b| b.time).collect();
-        (Self { times, per_interval: 1, median: strengths(&self.median) }, strengths(at))
+    /// A knot at every branch, and the strengths there (logarithms) of a spectrum with `log_strengths` at the knots.
+    pub(super) fn freed(&self, log_strengths: &[f64]) -> (Self, Vec<f64>) {
+        let strengths = |log_strengths: &[f64]| self.branches(log_strengths).iter().map(|b| b.strength.ln()).collect();
+        let times = self.branches(log_strengths).iter().map(|b| b.time).collect();
+        (Self { times, per_interval: 1, median: strengths(&self.median) }, strengths(log_strengths))
     }
 
-    /// The branches, whose strengths are those at the knots (logarithms `at`) spread over the branches of an interval. A branch at either end
+    /// The branches, whose strengths are those at the knots (`log_strengths`) spread over the branches of an interval. A branch at either end
     /// stands for all of its knot's outer half.
-    pub(super) fn branches(&self, at: &[f64]) -> Vec<Branch> {
+    pub(super) fn branches(&self, log_strengths: &[f64]) -> Vec<Branch> {
         let (weights, parts) = (self.weights(), self.per_interval.max(1));
         let count = weights.nrows();
         let share = |k: usize| {
-            let own = 1.0 / parts as f64;
+            let inner = 1.0 / parts as f64;
             let outer = [k == 0, k + 1 == count].into_iter().filter(|end| *end).count();
-            own + 0.5 * (1.0 - own) * outer as f64
+            inner + 0.5 * (1.0 - inner) * outer as f64
         };
-        let sum = |k: usize, of: &dyn Fn(usize) -> f64| -> f64 {
-            weights.row(k).iter().enumerate().map(|(knot, weight)| weight * of(knot)).sum::<f64>()
+        let sum = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
+            weights.row(k).iter().enumerate().map(|(knot, weight)| weight * value(knot)).sum::<f64>()
         };
         let time = |k: usize| match k % parts {
             0 => self.times[k / parts],
             _ => sum(k, &|knot| self.times[knot].ln()).exp(),
         };
-        let strength = |k: usize| share(k) * sum(k, &|knot| at[knot]).exp();
+        let strength = |k: usize| share(k) * sum(k, &|knot| log_strengths[knot]).exp();
         (0..count).map(|k| Branch { strength: strength(k), time: time(k) }).collect()
     }
 
@@ -52,8 +52,8 @@ impl Knots {
     pub(super) fn weights(&self) -> DMatrix<f64> {
         let (knots, parts) = (self.times.len(), self.per_interval.max(1));
         let weight = |branch: usize, knot: usize| {
-            let from = branch as f64 / parts as f64 - knot as f64;
-            (1.0 - from.abs()).max(0.0)
+            let distance = branch as f64 / parts as f64 - knot as f64;
+            (1.0 - distance.abs()).max(0.0)
         };
         let branches = if knots == 0 { 0 } else { (knots - 1) * parts + 1 };
         DMatrix::from_fn(branches, knots, weight)

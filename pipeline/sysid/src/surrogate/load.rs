@@ -36,8 +36,8 @@ impl Extra {
     }
 }
 
-fn scale(field: &mut [f64], by: f64) {
-    field.iter_mut().for_each(|u| *u *= by);
+fn scale_field(field: &mut [f64], factor: f64) {
+    field.iter_mut().for_each(|u| *u *= factor);
 }
 
 /// Scale of the pressure in [`Load::apart`].
@@ -55,7 +55,7 @@ impl Load {
     /// Of a body with these constants whose `chamber` is filled with `pressure`; `unit` is the pressure over a modulus that counts as one.
     pub fn new(chamber: usize, pressure: Pascal, elastic: &Elastic, unit: f64) -> Self {
         let (e, nu) = (&elastic.youngs_moduli, &elastic.poissons_ratios);
-        let moduli = e[1..].iter().map(|other| (other / e[BODY]).ln());
+        let moduli = e[1..].iter().map(|modulus| (modulus / e[BODY]).ln());
         let ratios = nu.iter().enumerate().map(|(region, nu)| BY_RATIO[region.min(1)] * nu);
         let constants = moduli.chain(ratios).chain(elastic.stiffening);
         Self { chamber, at: std::iter::once(pressure / e[BODY] / unit).chain(constants).collect() }
@@ -69,18 +69,18 @@ impl Load {
 
     /// The load at `part` (0 to 1) of the way to `other`, whose chamber it has.
     pub fn towards(&self, other: &Self, part: f64) -> Self {
-        let at = self.at.iter().zip(&other.at).map(|(from, to)| from + part * (to - from)).collect();
-        Self { chamber: other.chamber, at }
+        let coordinates = self.at.iter().zip(&other.at).map(|(start, end)| start + part * (end - start)).collect();
+        Self { chamber: other.chamber, at: coordinates }
     }
 
     /// The pressure and the constants of a body with this load whose softest material has the modulus `body`.
     pub fn constants(&self, body: Pascal, unit: f64) -> (Pascal, Elastic) {
         let solids = self.at.len() / 2 - 1;
-        let (moduli, rest) = self.at[1..].split_at(solids - 1);
-        let (ratios, stiffening) = rest.split_at(solids);
+        let (moduli, ratios_and_stiffening) = self.at[1..].split_at(solids - 1);
+        let (ratios, stiffening) = ratios_and_stiffening.split_at(solids);
         let ratio = |(region, nu): (usize, &f64)| nu / BY_RATIO[region.min(1)];
         let elastic = Elastic {
-            youngs_moduli: std::iter::once(body).chain(moduli.iter().map(|other| body * other.exp())).collect(),
+            youngs_moduli: std::iter::once(body).chain(moduli.iter().map(|log_ratio| body * log_ratio.exp())).collect(),
             poissons_ratios: ratios.iter().enumerate().map(ratio).collect(),
             stiffening: [stiffening[0], stiffening[1]],
         };
@@ -89,20 +89,21 @@ impl Load {
 
     /// Derivatives of a shape under this load by its coordinates from those by constants: by E of every solid (m/Pa), then by what `extra`
     /// says. None at rest.
-    pub fn slopes(&self, moduli: &[Pascal], mut by: Vec<Vec<f64>>, extra: Extra) -> Vec<Slope> {
+    pub fn slopes(&self, moduli: &[Pascal], mut derivatives: Vec<Vec<f64>>, extra: Extra) -> Vec<Slope> {
         let (solids, pressure) = (moduli.len(), self.at[0]);
-        if pressure == 0.0 || by.len() < solids {
+        if pressure == 0.0 || derivatives.len() < solids {
             return Vec::new();
         }
-        let others = by.split_off(solids);
-        by.iter_mut().zip(moduli).for_each(|(slope, modulus)| scale(slope, *modulus));
+        let further = derivatives.split_off(solids);
+        derivatives.iter_mut().zip(moduli).for_each(|(slope, modulus)| scale_field(slope, *modulus));
         // ∂u/∂ln E of the softest solid is −s ∂u/∂s − Σ ∂u/∂ln r, where s is the pressure and r are the moduli over that one
-        let sum = |k: usize| -by.iter().map(|slope| slope[k]).sum::<f64>() / pressure;
-        let by_pressure = Slope { coordinate: 0, slope: (0..by[BODY].len()).map(sum).collect() };
-        let by_ratio = by.into_iter().enumerate().skip(1).map(|(coordinate, slope)| Slope { coordinate, slope });
-        let by_others = others.into_iter().enumerate().map(|(k, mut slope)| {
+        let sum = |k: usize| -derivatives.iter().map(|slope| slope[k]).sum::<f64>() / pressure;
+        let by_pressure = Slope { coordinate: 0, slope: (0..derivatives[BODY].len()).map(sum).collect() };
+        let by_ratio =
+            derivatives.into_iter().enumerate().skip(1).map(|(coordinate, slope)| Slope { coordinate, slope });
+        let by_others = further.into_iter().enumerate().map(|(k, mut slope)| {
             let (coordinate, unit) = extra.coordinate(k, solids);
-            scale(&mut slope, 1.0 / unit);
+            scale_field(&mut slope, 1.0 / unit);
             Slope { coordinate, slope }
         });
         std::iter::once(by_pressure).chain(by_ratio).chain(by_others).collect()

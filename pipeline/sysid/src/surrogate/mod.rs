@@ -68,15 +68,15 @@ impl Surrogate {
 
     /// All shapes, the newest first, without those whose loads differ by less than `apart` from that of a newer one.
     pub(crate) fn newest_apart(&self, apart: f64) -> Vec<&KnownShape> {
-        let mut kept: Vec<&KnownShape> = Vec::new();
+        let mut distinct: Vec<&KnownShape> = Vec::new();
         for known in self.shapes.iter().rev() {
             let is_alike =
                 |other: &&KnownShape| other.load.chamber == known.load.chamber && other.load.away(&known.load) < apart;
-            if !kept.iter().any(is_alike) {
-                kept.push(known);
+            if !distinct.iter().any(is_alike) {
+                distinct.push(known);
             }
         }
-        kept
+        distinct
     }
 
     /// Whether it has no shape.
@@ -88,8 +88,10 @@ impl Surrogate {
     /// near to each other that they are one equilibrium, the first.
     pub(crate) fn below(&self, load: &Load) -> Vec<&KnownShape> {
         let on_the_way = |known: &&KnownShape| {
-            let at = &known.load;
-            at.chamber == load.chamber && at.part_of(load) < 1.0 && at.aside(load) < SAME_CONSTANTS
+            let known_load = &known.load;
+            known_load.chamber == load.chamber
+                && known_load.part_of(load) < 1.0
+                && known_load.aside(load) < SAME_CONSTANTS
         };
         let mut below: Vec<&KnownShape> = self.shapes.iter().filter(on_the_way).collect();
         below.sort_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]));
@@ -98,45 +100,51 @@ impl Surrogate {
     }
 
     /// The nearest known shape, and the one predicted from all of them; none where there is none of the same chamber.
-    pub fn predict<'a>(from: &[&'a Self], load: &Load) -> Option<(&'a KnownShape, Vec<f64>)> {
-        let alike = from.iter().flat_map(|one| &one.shapes).filter(|known| known.load.chamber == load.chamber);
-        let mut near: Vec<(f64, &KnownShape)> = alike.map(|known| (known.load.away(load), known)).collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let &(closest, nearest) = near.first()?;
-        let with_slopes = near.iter().filter(|(_, known)| !known.slopes.is_empty());
+    pub fn predict<'a>(surrogates: &[&'a Self], load: &Load) -> Option<(&'a KnownShape, Vec<f64>)> {
+        let alike = surrogates
+            .iter()
+            .flat_map(|surrogate| &surrogate.shapes)
+            .filter(|known| known.load.chamber == load.chamber);
+        let mut neighbours: Vec<(f64, &KnownShape)> = alike.map(|known| (known.load.away(load), known)).collect();
+        neighbours.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let &(closest, nearest) = neighbours.first()?;
+        let with_slopes = neighbours.iter().filter(|(_, known)| !known.slopes.is_empty());
         let mut expanded: Vec<(f64, &KnownShape)> =
             with_slopes.map(|(_, known)| (known.load.apart(load), *known)).collect();
         expanded.sort_by(|a, b| a.0.total_cmp(&b.0));
         expanded.truncate(EXPANSIONS);
         match expanded.first() {
-            Some((_, first)) if closest >= NEARER * first.load.away(load) => Some((first, expansion(&expanded, load))),
-            _ => Some((nearest, kriged(&near, load).unwrap_or_else(|| nearest.shape.clone()))),
+            Some((_, first)) if closest >= NEARER * first.load.away(load) => {
+                Some((first, mean_expansion(&expanded, load)))
+            }
+            _ => Some((nearest, kriged_shape(&neighbours, load).unwrap_or_else(|| nearest.shape.clone()))),
         }
     }
 }
 
 /// The mean of the first-order expansions about shapes with derivatives, by the inverse fourth power of their distance: Shepard's method with
 /// gradients [shepard1968].
-fn expansion(about: &[(f64, &KnownShape)], load: &Load) -> Vec<f64> {
-    let weight = |apart: f64| apart.max(TINY).powi(-4);
-    let whole: f64 = about.iter().map(|(apart, _)| weight(*apart)).sum();
+fn mean_expansion(about: &[(f64, &KnownShape)], load: &Load) -> Vec<f64> {
+    let weight = |distance: f64| distance.max(TINY).powi(-4);
+    let total_weight: f64 = about.iter().map(|(distance, _)| weight(*distance)).sum();
     let mut sum = vec![0.0; about[0].1.shape.len()];
-    for (apart, known) in about {
-        let weight = weight(*apart);
-        let mut add = |part: f64, of: &[f64]| sum.iter_mut().zip(of).for_each(|(sum, u)| *sum += part * u);
-        add(weight / whole, &known.shape);
-        known.slopes.iter().for_each(|s| add(weight / whole * load.along(&known.load, s.coordinate), &s.slope));
+    for (distance, known) in about {
+        let weight = weight(*distance);
+        let mut add = |part: f64, field: &[f64]| sum.iter_mut().zip(field).for_each(|(sum, u)| *sum += part * u);
+        add(weight / total_weight, &known.shape);
+        known.slopes.iter().for_each(|s| add(weight / total_weight * load.along(&known.load, s.coordinate), &s.slope));
     }
     sum
 }
 
 /// By kriging from the nearest values; none where it would extrapolate.
-fn kriged(near: &[(f64, &KnownShape)], load: &Load) -> Option<Vec<f64>> {
-    let near = &near[..near.len().min(NEAREST)];
-    let places: Vec<Load> = near.iter().map(|(_, known)| known.load.clone()).chain([load.clone().without()]).collect();
+fn kriged_shape(neighbours: &[(f64, &KnownShape)], load: &Load) -> Option<Vec<f64>> {
+    let neighbours = &neighbours[..neighbours.len().min(NEAREST)];
+    let places: Vec<Load> =
+        neighbours.iter().map(|(_, known)| known.load.clone()).chain([load.clone().without()]).collect();
     let weights = weights(&places, load)?;
-    let mut predicted = vec![0.0; near[0].1.shape.len()];
-    for ((_, known), weight) in near.iter().zip(weights.iter()) {
+    let mut predicted = vec![0.0; neighbours[0].1.shape.len()];
+    for ((_, known), weight) in neighbours.iter().zip(weights.iter()) {
         predicted.iter_mut().zip(&known.shape).for_each(|(sum, u)| *sum += weight * u);
     }
     Some(predicted)
