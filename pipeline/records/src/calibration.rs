@@ -55,8 +55,8 @@ impl Record for Calibration {
     type Of = Study;
     const STAGE: &'static str = "calibration";
 
-    fn is_made_for(of: &Study) -> bool {
-        of.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench).count() >= FEWEST
+    fn is_made_for(study: &Study) -> bool {
+        study.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench).count() >= FEWEST
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -68,19 +68,19 @@ impl Record for Calibration {
     }
 
     fn metrics(&self, _: &str) -> Vec<Metric> {
-        let of = |kind: &Coverage| {
+        let coverage_metrics = |kind: &Coverage| {
             let dot = if kind.name.is_empty() { "" } else { "." };
             HALF_WIDTHS.map(|(stated, half)| {
                 let id = format!("calibration.{}{dot}coverage_{:.0}_percent", kind.name, 100.0 * stated);
                 Metric::new(id, 100.0 * kind.share(half, self.specimens).0, "%")
             })
         };
-        std::iter::once(self.all()).chain(self.kinds.clone()).flat_map(|kind| of(&kind)).collect()
+        std::iter::once(self.all()).chain(self.kinds.clone()).flat_map(|kind| coverage_metrics(&kind)).collect()
     }
 
     fn summary(&self) -> String {
-        let all = self.all();
-        let share = |k: usize| 100.0 * all.share(HALF_WIDTHS[k].1, self.specimens).0;
+        let pooled = self.all();
+        let share = |k: usize| 100.0 * pooled.share(HALF_WIDTHS[k].1, self.specimens).0;
         let (specimens, kinds) = (self.specimens, QuantityKind::ALL.len());
         format!(
             "{specimens} specimens, {kinds} kinds: {:.0} % of the true values in their 95 % intervals, {:.0} % in those of 68 %",
@@ -102,9 +102,9 @@ mod tests {
             errors: errors.to_vec(),
             sigma: 0.1,
         };
-        let whole = Calibration { specimens: 20, kinds: vec![kind("a", &[0.5, -1.5]), kind("b", &[0.1, -3.0])] };
-        assert_eq!(Calibration::unpack(&whole.pack().unwrap()).unwrap(), whole);
-        let value = |id: &str| whole.metrics("all").into_iter().find(|m| m.id == id).map(|m| m.value);
+        let calibration = Calibration { specimens: 20, kinds: vec![kind("a", &[0.5, -1.5]), kind("b", &[0.1, -3.0])] };
+        assert_eq!(Calibration::unpack(&calibration.pack().unwrap()).unwrap(), calibration);
+        let value = |id: &str| calibration.metrics("all").into_iter().find(|m| m.id == id).map(|m| m.value);
         assert_eq!(value("calibration.coverage_68_percent"), Some(50.0));
         assert_eq!(value("calibration.coverage_95_percent"), Some(75.0));
         assert_eq!(value("calibration.a.coverage_95_percent"), Some(100.0));

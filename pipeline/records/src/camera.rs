@@ -60,7 +60,7 @@ struct Scalars {
 }
 
 /// The record's name of a distortion model.
-fn word(bend: Distortion) -> &'static str {
+fn distortion_name(bend: Distortion) -> &'static str {
     match bend {
         Distortion::BrownConrady => "brown_conrady",
         Distortion::Fisheye => "fisheye",
@@ -71,8 +71,8 @@ impl Record for Camera {
     type Of = Specimen;
     const STAGE: &'static str = "camera";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        !of.trials().iter().all(|trial| trial.in_space().is_some())
+    fn is_made_for(specimen: &Specimen) -> bool {
+        !specimen.trials().iter().all(|trial| trial.in_space().is_some())
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -80,7 +80,7 @@ impl Record for Camera {
         RecordFiles::default().scalars(
             "camera.json",
             &Scalars {
-                bend: word(lens.distortion).into(),
+                bend: distortion_name(lens.distortion).into(),
                 focal_px: [lens.fx, lens.fy],
                 principal_point_px: [lens.cx, lens.cy],
                 radial: [lens.k1, lens.k2, lens.k3, lens.k4],
@@ -99,8 +99,9 @@ impl Record for Camera {
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("camera.json")?;
         let mut kinds = [Distortion::BrownConrady, Distortion::Fisheye].into_iter();
-        let bend =
-            kinds.find(|kind| s.bend == word(*kind)).ok_or_else(|| super::unfit("camera.json", s.bend.clone()))?;
+        let bend = kinds
+            .find(|kind| s.bend == distortion_name(*kind))
+            .ok_or_else(|| super::inconsistent_file("camera.json", s.bend.clone()))?;
         let ([fx, fy], [cx, cy], [k1, k2, k3, k4], [p1, p2]) =
             (s.focal_px, s.principal_point_px, s.radial, s.tangential);
         Ok(Self {

@@ -78,17 +78,17 @@ impl Record for LoadCell {
     type Of = Specimen;
     const STAGE: &'static str = "load_cell";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        of.card.fixture.iter().any(|f| matches!(f.of, lab::card::FixtureOf::Taps { .. }))
+    fn is_made_for(specimen: &Specimen) -> bool {
+        specimen.card.fixture.iter().any(|f| matches!(f.of, lab::card::FixtureOf::Taps { .. }))
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
-        let of = |part: fn(&FrequencyResponse) -> f64| self.response.iter().map(part).collect::<Vec<f64>>();
+        let column = |part: fn(&FrequencyResponse) -> f64| self.response.iter().map(part).collect::<Vec<f64>>();
         let response = Columns::default()
-            .numbers("frequency_hz", of(|r| r.frequency))
-            .numbers("real", of(|r| r.transfer.re))
-            .numbers("imaginary", of(|r| r.transfer.im))
-            .numbers("coherence", of(|r| r.coherence));
+            .numbers("frequency_hz", column(|r| r.frequency))
+            .numbers("real", column(|r| r.transfer.re))
+            .numbers("imaginary", column(|r| r.transfer.im))
+            .numbers("coherence", column(|r| r.coherence));
         let example = Columns::default()
             .numbers("time_s", self.example.time.clone())
             .numbers("thrust_n", self.example.thrust.clone())
@@ -114,7 +114,7 @@ impl Record for LoadCell {
         let (table, example) = (files.read_table("response.parquet")?, files.read_table("example.parquet")?);
         let [f, re, im, coherence] = ["frequency_hz", "real", "imaginary", "coherence"].map(|name| table.f64(name));
         let (f, re, im, coherence) = (f?, re?, im?, coherence?);
-        let one = |i: usize| FrequencyResponse {
+        let frequency_response = |i: usize| FrequencyResponse {
             frequency: f[i],
             transfer: Phasor::new(re[i], im[i]),
             coherence: coherence[i],
@@ -127,7 +127,7 @@ impl Record for LoadCell {
             sigma: s.sigma_n,
             nrmse: s.nrmse,
         };
-        let response = (0..f.len()).map(one).collect();
+        let response = (0..f.len()).map(frequency_response).collect();
         Ok(Self {
             in_time: s.in_time,
             in_frequency: s.in_frequency,
@@ -141,14 +141,14 @@ impl Record for LoadCell {
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let it = &self.in_time;
-        let mut all = Vec::new();
+        let mut metrics = Vec::new();
         for id in ["load_cell".to_owned(), format!("load_cell.{subject}")] {
-            all.push(Metric::new(format!("{id}.natural_frequency_hz"), it.natural_frequency_hz, "Hz"));
-            all.push(Metric::new(format!("{id}.damping_ratio"), it.damping_ratio, ""));
-            all.push(Metric::new(format!("{id}.deconvolution_nrmse"), self.example.nrmse[2], ""));
-            all.push(Metric::new(format!("{id}.deconvolution_own_noise_nrmse"), self.example.nrmse[1], ""));
+            metrics.push(Metric::new(format!("{id}.natural_frequency_hz"), it.natural_frequency_hz, "Hz"));
+            metrics.push(Metric::new(format!("{id}.damping_ratio"), it.damping_ratio, ""));
+            metrics.push(Metric::new(format!("{id}.deconvolution_nrmse"), self.example.nrmse[2], ""));
+            metrics.push(Metric::new(format!("{id}.deconvolution_own_noise_nrmse"), self.example.nrmse[1], ""));
         }
-        all
+        metrics
     }
 
     fn summary(&self) -> String {

@@ -54,8 +54,8 @@ impl Record for CorrectedForce {
     type Of = Trial;
     const STAGE: &'static str = "wave";
 
-    fn is_made_for(of: &Trial) -> bool {
-        of.has_force_in_water()
+    fn is_made_for(trial: &Trial) -> bool {
+        trial.has_force_in_water()
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -87,13 +87,13 @@ impl Record for CorrectedForce {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = format!("wave.{}.max_amplitude_mn", super::flat(subject));
+        let id = format!("wave.{}.max_amplitude_mn", super::subject_id(subject));
         vec![Metric::new(id, 1e3 * self.waves.iter().fold(0.0, |m: f64, w| m.max(w.abs())), "mN")]
     }
 
     fn summary(&self) -> String {
-        let most = |list: &[f64]| 1e3 * list.iter().fold(0.0, |m: f64, w| m.max(w.abs()));
-        let near = if self.warnings.is_empty() { String::new() } else { format!("; {}", self.warnings.join("; ")) };
-        format!("waves up to {:.1} mN, zero up to {:.0} mN{near}", most(&self.waves), most(&self.zero))
+        let peak = |list: &[f64]| 1e3 * list.iter().fold(0.0, |m: f64, w| m.max(w.abs()));
+        let warnings = if self.warnings.is_empty() { String::new() } else { format!("; {}", self.warnings.join("; ")) };
+        format!("waves up to {:.1} mN, zero up to {:.0} mN{warnings}", peak(&self.waves), peak(&self.zero))
     }
 }

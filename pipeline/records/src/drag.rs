@@ -47,8 +47,8 @@ impl Record for Drag {
     type Of = Specimen;
     const STAGE: &'static str = "drag";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        of.trials().iter().any(crate::subject::Trial::is_staircase_in_water)
+    fn is_made_for(specimen: &Specimen) -> bool {
+        specimen.trials().iter().any(crate::subject::Trial::is_staircase_in_water)
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -82,7 +82,7 @@ impl Record for Drag {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("drag.{subject}.{what}");
+        let id = |quantity: &str| format!("drag.{subject}.{quantity}");
         vec![
             Metric::new(id("added_mass_ratio"), self.by.added, ""),
             Metric::new(id("normal_drag_coefficient"), self.by.drag, ""),
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_drag_survives_its_record() {
-        let whole = Drag {
+        let drag = Drag {
             by: Coefficients { added: 0.8, drag: 3.0 },
             sigma: Coefficients { added: 0.1, drag: 0.2 },
             released: 2e4,
@@ -122,6 +122,6 @@ mod tests {
             density: 998.0,
             sections: 30,
         };
-        assert_eq!(Drag::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        assert_eq!(Drag::unpack(&drag.pack().unwrap()).unwrap(), drag);
     }
 }

@@ -48,7 +48,7 @@ impl FrameData {
     /// Walls of the silhouette in the frame under pressure.
     pub fn shown(&self) -> Option<Walls> {
         let pressure = self.pressures_pa.iter().copied().fold(0.0, f64::max);
-        self.walls.iter().find(|(held, _)| *held == pressure).map(|(_, walls)| *walls)
+        self.walls.iter().find(|(level, _)| *level == pressure).map(|(_, walls)| *walls)
     }
 
     /// The held pressures between which the slack wall buckles, Pa; none where it hardly dents.
@@ -62,8 +62,9 @@ impl Record for ExampleFrames {
     type Of = Trial;
     const STAGE: &'static str = "example_frames";
 
-    fn is_made_for(of: &Trial) -> bool {
-        of.in_space().is_none() && of.card.highest_staircase_in_air().is_some_and(|highest| highest.id == of.trial.id)
+    fn is_made_for(trial: &Trial) -> bool {
+        trial.in_space().is_none()
+            && trial.card.highest_staircase_in_air().is_some_and(|highest| highest.id == trial.trial.id)
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -85,15 +86,15 @@ impl Record for ExampleFrames {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let metric = |what: &str, value, unit| {
-            Metric::new(format!("example_frames.{}.{what}", super::flat(subject)), value, unit)
+        let metric = |name: &str, value, unit| {
+            Metric::new(format!("example_frames.{}.{name}", super::subject_id(subject)), value, unit)
         };
-        let mm = |what, by| metric(what, by / si::MILLIMETRE, "mm");
+        let mm = |name, length| metric(name, length / si::MILLIMETRE, "mm");
         let walls = self.seen.shown().into_iter();
         let mut metrics: Vec<Metric> =
             walls.flat_map(|w| [mm("dent_mm", w.dent_m), mm("bulge_mm", w.bulge_m)]).collect();
-        if let Some(between) = self.seen.buckling_pressures() {
-            let [low, high] = between.map(|p| p / si::MILLIBAR);
+        if let Some(interval) = self.seen.buckling_pressures() {
+            let [low, high] = interval.map(|p| p / si::MILLIBAR);
             metrics.push(metric("critical_mbar.low", low, "mbar"));
             metrics.push(metric("critical_mbar.high", high, "mbar"));
         }
@@ -101,8 +102,8 @@ impl Record for ExampleFrames {
     }
 
     fn summary(&self) -> String {
-        let most = self.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
-        format!("{:.0} mbar at {:.2} s", most / si::MILLIBAR, self.seen.time_s)
+        let highest = self.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
+        format!("{:.0} mbar at {:.2} s", highest / si::MILLIBAR, self.seen.time_s)
     }
 }
 
@@ -115,8 +116,8 @@ mod tests {
 
     #[test]
     fn two_frames_survive_their_record() {
-        let picture = |by: usize| Gray::from_fn(5, 4, |x, y| (by * (x + 5 * y)) as f64);
-        let seen = FrameData {
+        let picture = |factor: usize| Gray::from_fn(5, 4, |x, y| (factor * (x + 5 * y)) as f64);
+        let data = FrameData {
             time_s: 1.5,
             command_pa: 25e3,
             pressures_pa: vec![24.1e3, 0.0],
@@ -127,7 +128,7 @@ mod tests {
             eye_m: [0.0, 0.0, 0.2],
             walls: vec![(24.1e3, Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 })],
         };
-        let example = ExampleFrames { rest: picture(3), held: picture(7), seen };
+        let example = ExampleFrames { rest: picture(3), held: picture(7), seen: data };
         assert_eq!(ExampleFrames::unpack(&example.pack().unwrap()).unwrap(), example);
     }
 }

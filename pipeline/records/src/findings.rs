@@ -52,8 +52,8 @@ mod tests {
     #[test]
     fn findings_survive_their_record_and_are_metrics() {
         let finding = Finding { name: "a.minima".into(), value: 1.0, unit: String::new() };
-        let whole = Findings { found: vec![finding] };
-        assert_eq!(Findings::unpack(&whole.pack().unwrap()).unwrap(), whole);
-        assert_eq!(whole.metrics("all"), [Metric::new("findings.a.minima", 1.0, "")]);
+        let findings = Findings { found: vec![finding] };
+        assert_eq!(Findings::unpack(&findings.pack().unwrap()).unwrap(), findings);
+        assert_eq!(findings.metrics("all"), [Metric::new("findings.a.minima", 1.0, "")]);
     }
 }

@@ -61,8 +61,8 @@ impl Record for FourParameters {
     type Of = Specimen;
     const STAGE: &'static str = "four_parameters";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        of.has_sheet()
+    fn is_made_for(specimen: &Specimen) -> bool {
+        specimen.has_sheet()
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -74,16 +74,16 @@ impl Record for FourParameters {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("four_parameters.{subject}.{what}");
+        let id = |quantity: &str| format!("four_parameters.{subject}.{quantity}");
         let names = [("body_e_mpa", "MPa"), ("spine_e_gpa", "GPa"), ("body_nu", ""), ("spine_nu", "")];
-        let all = names.into_iter().zip(self.best.in_display_units()).zip(self.intervals());
+        let estimates = names.into_iter().zip(self.best.in_display_units()).zip(self.intervals());
         let parameter = |(((name, unit), value), [low, high]): (((&str, &str), f64), [f64; 2])| {
             let end = |word: &str, value| Metric::new(id(&format!("{name}.{word}")), value, unit);
             [Metric::new(id(name), value, unit), end("low", low), end("high", high)]
         };
         let searched =
             [Metric::new(id("loss"), self.loss, ""), Metric::new(id("iterations"), self.iterates.len() as f64, "")];
-        all.flat_map(parameter).chain(searched).collect()
+        estimates.flat_map(parameter).chain(searched).collect()
     }
 
     fn summary(&self) -> String {
@@ -102,12 +102,12 @@ mod tests {
         let best = Four { body_e_pa: 2e5, spine_e_pa: 3e9, body_nu: 0.48, spine_nu: 0.37 };
         let plausible = [[1e5, 3e5], [1e9, 6e9], [0.45, 0.495], [0.3, 0.45]];
         let uncertainty = Uncertainty { sigma: vec![0.1; 4], ..Uncertainty::default() };
-        let whole = FourParameters { best, loss: 1e-3, iterates: vec![(best, 1e-3)], plausible, uncertainty };
-        assert_eq!(FourParameters::unpack(&whole.pack().unwrap()).unwrap(), whole);
-        let [body, _, nu, _] = whole.intervals();
+        let parameters = FourParameters { best, loss: 1e-3, iterates: vec![(best, 1e-3)], plausible, uncertainty };
+        assert_eq!(FourParameters::unpack(&parameters.pack().unwrap()).unwrap(), parameters);
+        let [body, _, nu, _] = parameters.intervals();
         // a tenth in the logarithm: E by a fifth either way, ½ − ν likewise
         assert!((body[1] / 0.2 - (0.196f64).exp()).abs() < 1e-3 && body[0] < 0.2, "{body:?}");
         assert!((0.5 - nu[0]) / 0.02 > 1.2 && (0.5 - nu[1]) / 0.02 < 0.83, "{nu:?}");
-        assert!(whole.metrics("a").iter().any(|m| m.id == "four_parameters.a.body_nu.low" && m.value == nu[0]));
+        assert!(parameters.metrics("a").iter().any(|m| m.id == "four_parameters.a.body_nu.low" && m.value == nu[0]));
     }
 }

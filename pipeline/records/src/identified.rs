@@ -93,14 +93,17 @@ impl Record for Identified {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("identify.{subject}.{what}");
-        let moduli = self.moduli().flat_map(|one| {
-            let name = format!("{}_e_{}", one.solid, one.unit.to_lowercase());
-            [Metric::new(id(&name), one.best, one.unit), Metric::new(id(&format!("{name}.sigma")), one.sigma, one.unit)]
+        let id = |quantity: &str| format!("identify.{subject}.{quantity}");
+        let moduli = self.moduli().flat_map(|modulus| {
+            let name = format!("{}_e_{}", modulus.solid, modulus.unit.to_lowercase());
+            [
+                Metric::new(id(&name), modulus.best, modulus.unit),
+                Metric::new(id(&format!("{name}.sigma")), modulus.sigma, modulus.unit),
+            ]
         });
         let mut metrics: Vec<Metric> = moduli.collect();
-        metrics.extend(self.stiffening.iter().flat_map(|found| {
-            let named = ["c20", "c30"].into_iter().zip(found.ratios).zip(found.sigma);
+        metrics.extend(self.stiffening.iter().flat_map(|stiffening| {
+            let named = ["c20", "c30"].into_iter().zip(stiffening.ratios).zip(stiffening.sigma);
             named.flat_map(|((name, ratio), sigma)| {
                 [Metric::new(id(name), ratio, ""), Metric::new(id(&format!("{name}.sigma")), sigma, "")]
             })
@@ -131,8 +134,8 @@ impl Record for Identified {
     }
 
     fn summary(&self) -> String {
-        let one = |m: DisplayModulus<'_>| format!("{} {:.4} {}", m.solid, m.best, m.unit);
-        let moduli: Vec<String> = self.moduli().map(one).collect();
+        let text = |m: DisplayModulus<'_>| format!("{} {:.4} {}", m.solid, m.best, m.unit);
+        let moduli: Vec<String> = self.moduli().map(text).collect();
         let advice: String = self.uncertainty.advice.iter().map(|a| format!("; {a}")).collect();
         let mesh = self.uncertainty.mesh_error.map(|error| format!(", {:.2} mm from a finer mesh", 1e3 * error));
         let mesh = mesh.unwrap_or_default();
@@ -164,7 +167,7 @@ impl Identified {
     /// The identified constants of a model, at the time to which they belong.
     pub fn elastic(&self, model: &Model) -> Elastic {
         let Elastic { poissons_ratios, stiffening, .. } = model.nominal.clone();
-        let stiffening = self.stiffening.map_or(stiffening, |found| found.ratios);
+        let stiffening = self.stiffening.map_or(stiffening, |identified| identified.ratios);
         Elastic { youngs_moduli: self.best.clone(), poissons_ratios, stiffening }
     }
 
@@ -199,11 +202,11 @@ mod tests {
     use super::*;
 
     fn identified() -> Identified {
-        let at = |b: f64| vec![b, 3e9];
+        let moduli = |b: f64| vec![b, 3e9];
         Identified {
             solids: vec!["body".into(), "spine".into()],
-            best: at(2e5),
-            sigma: at(1e3),
+            best: moduli(2e5),
+            sigma: moduli(1e3),
             stiffening: Some(Stiffening { ratios: [0.02, 0.1], sigma: [0.01, 0.05] }),
             certificate: Ok(Certificate { sigma: 0.05, rounds: 2, whole_equilibria: 42 }),
             durations: IdentificationDurations {
@@ -229,8 +232,8 @@ mod tests {
 
     #[test]
     fn an_identification_survives_its_record() {
-        let whole = identified();
-        assert_eq!(Identified::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        let record = identified();
+        assert_eq!(Identified::unpack(&record.pack().unwrap()).unwrap(), record);
     }
 
     #[test]

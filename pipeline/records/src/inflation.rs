@@ -55,8 +55,8 @@ impl Inflation {
     pub fn moved(&self, mesh: &Mesh, shape: &Shape) -> Vec<Point3> {
         let mut nodes = mesh.solid.nodes.clone();
         // length: the nodes and every shape's displacements are columns of one table
-        for (&node, &by) in self.nodes.iter().zip(&shape.moved) {
-            nodes[node as usize] = vec3::add(nodes[node as usize], by);
+        for (&node, &displacement) in self.nodes.iter().zip(&shape.moved) {
+            nodes[node as usize] = vec3::add(nodes[node as usize], displacement);
         }
         nodes
     }
@@ -78,8 +78,8 @@ impl Record for Inflation {
     type Of = Specimen;
     const STAGE: &'static str = "inflate";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        of.highest_staircase().is_some()
+    fn is_made_for(specimen: &Specimen) -> bool {
+        specimen.highest_staircase().is_some()
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -107,7 +107,7 @@ impl Record for Inflation {
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("inflation.json")?;
         let columns = files.read_table("shapes.parquet")?;
-        let moved = |i: usize| -> Result<Vec<Point3>, RecordError> {
+        let displacements = |i: usize| -> Result<Vec<Point3>, RecordError> {
             let axis = |k: &str| columns.f64(&format!("{k}{i}_m"));
             let (x, y, z) = (axis("x")?, axis("y")?, axis("z")?);
             // length: columns of one table are equally long
@@ -118,11 +118,14 @@ impl Record for Inflation {
             || scalars.rotations_rad.len() != count
             || scalars.filmed.is_some_and(|i| i >= count)
         {
-            return Err(super::unfit("inflation.json", "pressures, walls and rotations are not of the same shapes"));
+            return Err(super::inconsistent_file(
+                "inflation.json",
+                "pressures, walls and rotations are not of the same shapes",
+            ));
         }
         let levels = scalars.pressures_pa.into_iter().zip(scalars.walls).zip(scalars.rotations_rad).enumerate();
         let shape = |(i, ((pressures_pa, (walls, silhouette)), rotation))| {
-            Ok(Shape { pressures_pa, moved: moved(i)?, walls, silhouette, rotation })
+            Ok(Shape { pressures_pa, moved: displacements(i)?, walls, silhouette, rotation })
         };
         Ok(Self {
             nodes: columns.u32("node")?,
@@ -134,7 +137,7 @@ impl Record for Inflation {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("inflate.{subject}.{what}");
+        let id = |quantity: &str| format!("inflate.{subject}.{quantity}");
         let Some(shape) = self.filmed.map_or(self.shapes.last(), |i| self.shapes.get(i)) else { return Vec::new() };
         let mut metrics = vec![
             Metric::new(id("pressure_mbar"), shape.pressure() / si::MILLIBAR, "mbar"),
@@ -142,11 +145,11 @@ impl Record for Inflation {
             Metric::new(id("bulge_mm"), shape.walls.bulge_m / si::MILLIMETRE, "mm"),
             Metric::new(id("angle_deg"), shape.rotation.abs().to_degrees(), "degrees"),
         ];
-        if let (Some(seen), Some(film)) = (shape.silhouette, self.film) {
-            let mm = |what: &str, by: f64| Metric::new(id(what), by / si::MILLIMETRE, "mm");
-            metrics.push(mm("silhouette_dent_mm", seen.dent_m));
-            metrics.push(mm("silhouette_dent_error_mm", (seen.dent_m - film.dent_m).abs()));
-            metrics.push(mm("silhouette_bulge_error_mm", (seen.bulge_m - film.bulge_m).abs()));
+        if let (Some(silhouette), Some(film)) = (shape.silhouette, self.film) {
+            let mm = |quantity: &str, length: f64| Metric::new(id(quantity), length / si::MILLIMETRE, "mm");
+            metrics.push(mm("silhouette_dent_mm", silhouette.dent_m));
+            metrics.push(mm("silhouette_dent_error_mm", (silhouette.dent_m - film.dent_m).abs()));
+            metrics.push(mm("silhouette_bulge_error_mm", (silhouette.bulge_m - film.bulge_m).abs()));
         }
         let last =
             self.shapes.last().map(|s| Metric::new(id("highest_angle_deg"), s.rotation.abs().to_degrees(), "degrees"));
@@ -176,8 +179,8 @@ mod tests {
     fn shapes_survive_their_record() {
         let walls = Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 };
         let shape = |p: f64| {
-            let moved = vec![[p * 1e-6, 0.0, 1e-3]; 2];
-            Shape { pressures_pa: vec![p, 0.0], moved, walls, silhouette: Some(walls), rotation: 0.2 }
+            let displacements = vec![[p * 1e-6, 0.0, 1e-3]; 2];
+            Shape { pressures_pa: vec![p, 0.0], moved: displacements, walls, silhouette: Some(walls), rotation: 0.2 }
         };
         let (shapes, film) = (vec![shape(1e4), shape(2e4)], Some(walls));
         let inflation = Inflation { nodes: vec![3, 8], shapes, filmed: Some(1), asked_pa: 3e4, film };

@@ -66,11 +66,11 @@ pub use validation::PAPER_MODEL;
 pub use validation::{Interval, ScoredModel, Validation};
 
 /// A file of a record that disagrees with another one, or with itself.
-fn unfit(file: &str, cause: impl Into<String>) -> workflow::record::RecordError {
+fn inconsistent_file(file: &str, cause: impl Into<String>) -> workflow::record::RecordError {
     workflow::record::RecordError::Scalars { file: file.into(), cause: cause.into() }
 }
 
 /// A subject's name inside a metric's id.
-fn flat(subject: &str) -> String {
+fn subject_id(subject: &str) -> String {
     subject.replace('/', "_")
 }

@@ -94,12 +94,12 @@ impl Record for Markers {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |l: &OmittedCorrection| format!("markers.{}.without_{}_mm", super::flat(subject), l.correction);
-        let moved = |s: &FilmPose| {
-            Metric::new(format!("markers.{}.camera_displacement_mm", super::flat(subject)), 1e3 * s.moved_m, "mm")
+        let id = |l: &OmittedCorrection| format!("markers.{}.without_{}_mm", super::subject_id(subject), l.correction);
+        let camera_displacement = |s: &FilmPose| {
+            Metric::new(format!("markers.{}.camera_displacement_mm", super::subject_id(subject)), 1e3 * s.moved_m, "mm")
         };
         let left_out = self.left_out.iter().map(|l| Metric::new(id(l), 1e3 * l.motion_m, "mm"));
-        left_out.chain(self.stand.iter().map(moved)).collect()
+        left_out.chain(self.stand.iter().map(camera_displacement)).collect()
     }
 
     fn summary(&self) -> String {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use si::CubicMetre;
 use sysid::{Attached, Body, Model};
 
-use super::unfit;
+use super::inconsistent_file;
 use crate::subject::Specimen;
 use workflow::columns::Columns;
 use workflow::metric::Metric;
@@ -92,9 +92,9 @@ impl Record for Mesh {
         let nodes = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
         let regions = solid.regions.iter().map(|&r| u32::from(r)).collect();
         let elements = Columns::default().counts("region", regions).rows("n", solid.elements.iter());
-        let on = Columns::default().counts("on", solid.skin.iter().map(|f| f.on.code()).collect());
+        let skin_codes = Columns::default().counts("on", solid.skin.iter().map(|f| f.on.code()).collect());
         let sides = solid.skin_rows();
-        let skin = on.rows("n", sides.iter().map(Vec::as_slice));
+        let skin = skin_codes.rows("n", sides.iter().map(Vec::as_slice));
         let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
         let (chambers, quality, clamped) = (self.chambers.clone(), self.quality.clone(), self.clamped.clone());
         let scalars = Scalars { chambers, quality, markers, clamped };
@@ -112,27 +112,30 @@ impl Record for Mesh {
         let hexahedra = files.contents().any(|(name, _)| name == HEXAHEDRA);
         let name = if hexahedra { HEXAHEDRA } else { TETRAHEDRA };
         let (listed, skin) = (files.read_table(name)?, files.read_table("skin.parquet")?);
-        let region = |region: u32| u16::try_from(region).map_err(|e| unfit(name, e.to_string()));
-        let code = || unfit("skin.parquet", "a face lies on a skin that there is not, or has other than 6 or 8 nodes");
-        let face = |(on, nodes): (u32, Vec<u32>)| {
-            QuadraticFace::from_row(&nodes, Skin::from_code(on).ok_or_else(code)?).ok_or_else(code)
+        let region = |region: u32| u16::try_from(region).map_err(|e| inconsistent_file(name, e.to_string()));
+        let code = || {
+            inconsistent_file("skin.parquet", "a face lies on a skin that there is not, or has other than 6 or 8 nodes")
+        };
+        let face = |(skin_code, nodes): (u32, Vec<u32>)| {
+            QuadraticFace::from_row(&nodes, Skin::from_code(skin_code).ok_or_else(code)?).ok_or_else(code)
         };
         let elements = QuadraticElements::from_rows(&listed.read_rows("n"));
         let (x, y, z) = (nodes.f64("x_m")?, nodes.f64("y_m")?, nodes.f64("z_m")?);
         let solid = QuadraticMesh {
             // length: columns of one table are equally long
             nodes: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
-            elements: elements.ok_or_else(|| unfit(name, "an element has other than 10 or 20 nodes"))?,
+            elements: elements.ok_or_else(|| inconsistent_file(name, "an element has other than 10 or 20 nodes"))?,
             regions: listed.u32("region")?.into_iter().map(region).collect::<Result<_, _>>()?,
             // length: columns of one table are equally long
             skin: skin.u32("on")?.into_iter().zip(skin.read_rows("n")).map(face).collect::<Result<_, RecordError>>()?,
             half: scalars.quality.half,
         };
         let named = scalars.markers.iter().flatten().map(|(node, _)| node).chain(&scalars.clamped);
-        let beyond = named.copied().find(|node| *node as usize >= solid.nodes.len());
-        let beyond = beyond.map(|node| format!("a marker or the clamp is at node {node}, which there is not"));
-        if let Some(cause) = solid.fault().or(beyond) {
-            return Err(unfit("mesh.json", cause));
+        let unknown_node = named.copied().find(|node| *node as usize >= solid.nodes.len());
+        let unknown_node =
+            unknown_node.map(|node| format!("a marker or the clamp is at node {node}, which there is not"));
+        if let Some(cause) = solid.fault().or(unknown_node) {
+            return Err(inconsistent_file("mesh.json", cause));
         }
         Ok(Self {
             solid,
@@ -144,7 +147,7 @@ impl Record for Mesh {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("mesh.{subject}.{what}");
+        let id = |quantity: &str| format!("mesh.{subject}.{quantity}");
         vec![
             Metric::new(id("tets"), self.solid.elements.len() as f64, ""),
             Metric::new(id("dofs"), self.quality.dofs as f64, ""),
@@ -157,11 +160,11 @@ impl Record for Mesh {
         let half = if self.quality.half { "half model, " } else { "" };
         let (elements, dofs) = (self.solid.elements.len(), self.quality.dofs);
         let kind = self.solid.elements.name();
-        let refused = self.quality.not_hexahedra.as_deref().and_then(|why| why.lines().next());
-        let refused = refused.map(|why| format!("; no hexahedra: {why}")).unwrap_or_default();
-        let (angle, off) = (self.quality.min_dihedral_deg, 1e3 * self.quality.hausdorff_m);
+        let refused = self.quality.not_hexahedra.as_deref().and_then(|reasons| reasons.lines().next());
+        let refused = refused.map(|reason| format!("; no hexahedra: {reason}")).unwrap_or_default();
+        let (angle, distance) = (self.quality.min_dihedral_deg, 1e3 * self.quality.hausdorff_m);
         format!(
-            "{half}{elements} {kind}, {dofs} dofs, smallest angle {angle:.1}°, surface distance {off:.2} mm{refused}"
+            "{half}{elements} {kind}, {dofs} dofs, smallest angle {angle:.1}°, surface distance {distance:.2} mm{refused}"
         )
     }
 }
@@ -196,13 +199,13 @@ mod tests {
         let mesh =
             Mesh { solid, chambers, markers: vec![Spot { weights: vec![(2, 1.0)] }], clamped: vec![0, 2], quality };
         assert_eq!(Mesh::unpack(&mesh.pack().unwrap()).unwrap(), mesh);
-        let mut beyond = [mesh.clone(), mesh.clone(), mesh.clone(), mesh.clone()];
-        beyond[0].solid.elements =
+        let mut damaged = [mesh.clone(), mesh.clone(), mesh.clone(), mesh.clone()];
+        damaged[0].solid.elements =
             QuadraticElements::Tetrahedra(vec![std::array::from_fn(|i| if i == 3 { 10 } else { i as u32 })]);
-        beyond[1].markers[0].weights[0].0 = 10;
-        beyond[2].solid.nodes[4][1] = f64::NAN;
-        beyond[3].clamped.push(10);
-        for mesh in beyond {
+        damaged[1].markers[0].weights[0].0 = 10;
+        damaged[2].solid.nodes[4][1] = f64::NAN;
+        damaged[3].clamped.push(10);
+        for mesh in damaged {
             let error = Mesh::unpack(&mesh.pack().unwrap()).unwrap_err().to_string();
             assert!(error.contains("mesh.json") && error.contains("node"), "{error}");
         }

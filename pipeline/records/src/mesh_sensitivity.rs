@@ -37,8 +37,8 @@ impl Record for MeshSensitivity {
     type Of = Specimen;
     const STAGE: &'static str = "mesh_sensitivity";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        of.has_sheet()
+    fn is_made_for(specimen: &Specimen) -> bool {
+        specimen.has_sheet()
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -48,14 +48,16 @@ impl Record for MeshSensitivity {
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let record: Self = files.read_scalars("mesh_sensitivity.json")?;
         match record.rows.iter().find(|row| row.at.len() != SOLIDS) {
-            Some(row) => Err(super::unfit("mesh_sensitivity.json", format!("{} moduli of {SOLIDS}", row.at.len()))),
+            Some(row) => {
+                Err(super::inconsistent_file("mesh_sensitivity.json", format!("{} moduli of {SOLIDS}", row.at.len())))
+            }
             None => Ok(record),
         }
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |r: &MeshResult, what: &str| {
-            format!("mesh_sensitivity.{}.edge_{:.1}mm_{}_nodes.{what}", subject, 1e3 * r.edge, r.nodes)
+        let id = |r: &MeshResult, quantity: &str| {
+            format!("mesh_sensitivity.{}.edge_{:.1}mm_{}_nodes.{quantity}", subject, 1e3 * r.edge, r.nodes)
         };
         let row = |r: &MeshResult| {
             [
@@ -80,10 +82,11 @@ mod tests {
 
     #[test]
     fn the_rows_survive_their_record() {
-        let at = vec![2e5, 3e9];
-        let whole = MeshSensitivity { rows: vec![MeshResult { edge: 5e-3, nodes: 4, dofs: 99, at, loss: 0.1 }] };
-        assert_eq!(MeshSensitivity::unpack(&whole.pack().unwrap()).unwrap(), whole);
-        let mut fewer = whole;
+        let moduli = vec![2e5, 3e9];
+        let sensitivity =
+            MeshSensitivity { rows: vec![MeshResult { edge: 5e-3, nodes: 4, dofs: 99, at: moduli, loss: 0.1 }] };
+        assert_eq!(MeshSensitivity::unpack(&sensitivity.pack().unwrap()).unwrap(), sensitivity);
+        let mut fewer = sensitivity;
         fewer.rows[0].at.pop();
         let error = MeshSensitivity::unpack(&fewer.pack().unwrap()).unwrap_err().to_string();
         assert!(error.contains("mesh_sensitivity.json") && error.contains("1 moduli of 2"), "{error}");

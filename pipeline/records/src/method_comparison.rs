@@ -133,7 +133,7 @@ impl Record for MethodComparison {
             return Vec::new();
         }
         // named after what the methods do: they identify
-        let id = |what: &str| format!("identify.{subject}.{what}");
+        let id = |quantity: &str| format!("identify.{subject}.{quantity}");
         let mut metrics: Vec<Metric> = self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))).collect();
         metrics.push(Metric::new(id("compared_certificate_sigma"), self.certificate.sigma, ""));
         metrics.push(Metric::new(id("compared_certificate_rounds"), self.certificate.rounds as f64, ""));
@@ -167,22 +167,23 @@ impl Search {
 }
 
 /// The column of a solid's modulus.
-fn column(solid: &str) -> String {
+fn modulus_column(solid: &str) -> String {
     format!("{solid}_e_pa")
 }
 
 fn tried_columns(solids: &[String], searches: &[Search]) -> Columns {
-    let all = || searches.iter().flat_map(|s| s.tried.iter().map(move |t| (s, t)));
-    let methods = Columns::default().words("method", all().map(|(s, _)| s.method.clone()).collect());
+    let evaluations = || searches.iter().flat_map(|s| s.tried.iter().map(move |t| (s, t)));
+    let methods = Columns::default().words("method", evaluations().map(|(s, _)| s.method.clone()).collect());
     let moduli = solids.iter().enumerate();
-    let columns = moduli.fold(methods, |c, (k, s)| c.numbers(&column(s), all().map(|(_, t)| t.at[k]).collect()));
-    columns.numbers("loss", all().map(|(_, t)| t.loss).collect())
+    let columns =
+        moduli.fold(methods, |c, (k, s)| c.numbers(&modulus_column(s), evaluations().map(|(_, t)| t.at[k]).collect()));
+    columns.numbers("loss", evaluations().map(|(_, t)| t.loss).collect())
 }
 
 /// The searches with what each tried.
 fn read_searches(columns: &Columns, solids: &[String], searches: Vec<Search>) -> Result<Vec<Search>, RecordError> {
     let (names, loss) = (columns.text("method")?, columns.f64("loss")?);
-    let moduli = solids.iter().map(|s| columns.f64(&column(s))).collect::<Result<Vec<_>, _>>()?;
+    let moduli = solids.iter().map(|s| columns.f64(&modulus_column(s))).collect::<Result<Vec<_>, _>>()?;
     let tried = |i: usize| EvaluatedPoint { at: moduli.iter().map(|values| values[i]).collect(), loss: loss[i] };
     let of_method = |method: &str| (0..names.len()).filter(|&i| names[i] == method).map(tried).collect();
     Ok(searches.into_iter().map(|search| Search { tried: of_method(&search.method), ..search }).collect())
@@ -190,25 +191,25 @@ fn read_searches(columns: &Columns, solids: &[String], searches: Vec<Search>) ->
 
 fn surface_columns(surface: &Surface) -> Columns {
     let columns = surface.across.len().max(1);
-    let place = |i: usize| (surface.across[i % columns], surface.up[i / columns]);
-    let all = 0..surface.loss.len();
+    let grid_point = |i: usize| (surface.across[i % columns], surface.up[i / columns]);
+    let indices = 0..surface.loss.len();
     Columns::default()
-        .numbers("across_pa", all.clone().map(|i| place(i).0).collect())
-        .numbers("up_pa", all.map(|i| place(i).1).collect())
+        .numbers("across_pa", indices.clone().map(|i| grid_point(i).0).collect())
+        .numbers("up_pa", indices.map(|i| grid_point(i).1).collect())
         .numbers("loss", surface.loss.clone())
         .numbers("critical_pa", surface.critical.clone())
 }
 
 fn read_surface(columns: &Columns) -> Result<Surface, RecordError> {
-    let (across, up) = (columns.f64("across_pa")?, columns.f64("up_pa")?);
+    let (x, y) = (columns.f64("across_pa")?, columns.f64("up_pa")?);
     // length: a row ends where the height changes; the grid is held to it below
-    let width = up.iter().take_while(|&&s| Some(&s) == up.first()).count().max(1);
-    if !up.len().is_multiple_of(width) || across.iter().zip(across.iter().skip(width)).any(|(own, next)| own != next) {
-        return Err(super::unfit("landscape.parquet", "its rows are no grid"));
+    let width = y.iter().take_while(|&&s| Some(&s) == y.first()).count().max(1);
+    if !y.len().is_multiple_of(width) || x.iter().zip(x.iter().skip(width)).any(|(current, next)| current != next) {
+        return Err(super::inconsistent_file("landscape.parquet", "its rows are no grid"));
     }
     Ok(Surface {
-        across: across.iter().take(width).copied().collect(),
-        up: up.iter().step_by(width).copied().collect(),
+        across: x.iter().take(width).copied().collect(),
+        up: y.iter().step_by(width).copied().collect(),
         loss: columns.f64("loss")?,
         critical: columns.f64("critical_pa")?,
     })
@@ -220,15 +221,15 @@ mod tests {
 
     #[test]
     fn a_comparison_survives_its_record() {
-        let at = |b: f64| vec![b, 3e9];
-        let tried = vec![EvaluatedPoint { at: at(2e5), loss: 0.1 }, EvaluatedPoint { at: at(1e5), loss: 0.2 }];
+        let moduli = |b: f64| vec![b, 3e9];
+        let tried = vec![EvaluatedPoint { at: moduli(2e5), loss: 0.1 }, EvaluatedPoint { at: moduli(1e5), loss: 0.2 }];
         let surface = Surface {
             across: vec![1e5, 2e5],
             up: vec![1e9, 2e9, 3e9],
             loss: (0..6).map(f64::from).collect(),
             critical: vec![0.0, 1.8e4, 0.0, 1.9e4, 2e4, 2.1e4],
         };
-        let whole = MethodComparison {
+        let comparison = MethodComparison {
             solids: vec!["body".into(), "spine".into()],
             highest: 2.1e4,
             searches: vec![Search { method: "adam".into(), tried, seconds: 2.0 }],
@@ -238,8 +239,8 @@ mod tests {
             profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],
             gradient_difference: Some(1e-7),
         };
-        for one in [whole, MethodComparison::default()] {
-            assert_eq!(MethodComparison::unpack(&one.pack().unwrap()).unwrap(), one);
+        for record in [comparison, MethodComparison::default()] {
+            assert_eq!(MethodComparison::unpack(&record.pack().unwrap()).unwrap(), record);
         }
     }
 }

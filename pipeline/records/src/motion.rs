@@ -61,12 +61,12 @@ pub struct Clock {
 
 impl Motion {
     /// One marker without noise, and one chamber whose measured pressure is its command, on one clock.
-    pub fn of_one_marker(time: Vec<Second>, command: Vec<Pascal>, at: Vec<Point2>) -> Self {
+    pub fn of_one_marker(time: Vec<Second>, command: Vec<Pascal>, positions: Vec<Point2>) -> Self {
         let spread = vec![[0.0; 3]; time.len()];
         Self {
             log_time: time.clone(),
             time,
-            markers: vec![Path { name: "a".into(), at, spread }],
+            markers: vec![Path { name: "a".into(), at: positions, spread }],
             rest: vec![[0.0; 2]],
             gauges: vec![Gauge { chamber: "left".into(), measured: command.clone(), command }],
             clock: Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 },
@@ -126,8 +126,8 @@ impl Record for Motion {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = format!("clock.{}.offset_s", super::flat(subject));
-        let sigma = format!("clock.{}.sigma_ms", super::flat(subject));
+        let id = format!("clock.{}.offset_s", super::subject_id(subject));
+        let sigma = format!("clock.{}.sigma_ms", super::subject_id(subject));
         vec![Metric::new(id, self.clock.offset, "s"), Metric::new(sigma, 1e3 * self.clock.sigma, "ms")]
     }
 

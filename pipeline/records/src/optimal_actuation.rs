@@ -33,8 +33,8 @@ impl Record for OptimalActuation {
     type Of = Specimen;
     const STAGE: &'static str = "optimal_actuation";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        Thrust::is_made_for(of)
+    fn is_made_for(specimen: &Specimen) -> bool {
+        Thrust::is_made_for(specimen)
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -47,22 +47,22 @@ impl Record for OptimalActuation {
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let name = format!("optimal_actuation.{subject}");
-        let mut all =
+        let mut metrics =
             vec![Metric::new(format!("{name}.amplitude_error_percent"), self.check.amplitude_error_percent(), "%")];
         for (best, wave) in self.best.iter().filter_map(|b| Some((b, b.wave()?))) {
-            let id = |what: &str| format!("{name}.{}.{what}", best.model);
-            all.push(Metric::new(id("amplitude_mbar"), wave.amplitude_pa / si::MILLIBAR, "mbar"));
-            all.push(Metric::new(id("frequency_hz"), wave.frequency_hz, "Hz"));
-            all.push(Metric::new(id("thrust_mn"), 1e3 * wave.thrust_n[0], "mN"));
-            all.push(Metric::new(id("amplitude_ratio"), best.amplitude_ratio, ""));
-            all.push(Metric::new(id("simulations"), best.simulations as f64, ""));
+            let id = |quantity: &str| format!("{name}.{}.{quantity}", best.model);
+            metrics.push(Metric::new(id("amplitude_mbar"), wave.amplitude_pa / si::MILLIBAR, "mbar"));
+            metrics.push(Metric::new(id("frequency_hz"), wave.frequency_hz, "Hz"));
+            metrics.push(Metric::new(id("thrust_mn"), 1e3 * wave.thrust_n[0], "mN"));
+            metrics.push(Metric::new(id("amplitude_ratio"), best.amplitude_ratio, ""));
+            metrics.push(Metric::new(id("simulations"), best.simulations as f64, ""));
         }
         for optimum in self.waveforms.iter().flat_map(|w| &w.optima) {
-            let id = |what: &str| format!("{name}.waveform.{}.{what}", optimum.flap.name);
-            all.push(Metric::new(id("gain"), optimum.gain(), ""));
-            all.push(Metric::new(id("thrust_mn"), 1e3 * optimum.flap.performed.thrust_n, "mN"));
+            let id = |quantity: &str| format!("{name}.waveform.{}.{quantity}", optimum.flap.name);
+            metrics.push(Metric::new(id("gain"), optimum.gain(), ""));
+            metrics.push(Metric::new(id("thrust_mn"), 1e3 * optimum.flap.performed.thrust_n, "mN"));
         }
-        all
+        metrics
     }
 
     fn summary(&self) -> String {
@@ -73,17 +73,17 @@ impl Record for OptimalActuation {
                 best.model, wave.frequency_hz, best.simulations
             )
         };
-        let mut all: Vec<String> = self.best.iter().filter_map(|b| Some(text((b, b.wave()?)))).collect();
+        let mut parts: Vec<String> = self.best.iter().filter_map(|b| Some(text((b, b.wave()?)))).collect();
         let gains = self.waveforms.iter().flat_map(|w| &w.optima);
-        all.extend(gains.map(|o| {
+        parts.extend(gains.map(|o| {
             format!("waveform: {:.2} times the {} of a square wave", o.gain(), o.flap.name.replace('_', " "))
         }));
-        all.push(format!(
+        parts.push(format!(
             "simulated amplitude {:+.0} % against {}",
             self.check.amplitude_error_percent(),
             self.check.run
         ));
-        all.join("; ")
+        parts.join("; ")
     }
 }
 
@@ -102,7 +102,7 @@ mod tests {
             simulations: 30,
         };
         let check = Check { run: "a".into(), amplitude_m: [0.011, 0.01], mean_n: [0.1, 0.2, 0.3] };
-        let whole = OptimalActuation {
+        let optimum = OptimalActuation {
             highest_pa: 3e4,
             frequencies_hz: [1.0, 3.0],
             best: vec![best],
@@ -111,7 +111,7 @@ mod tests {
             waveforms: None,
             coordinates: 20,
         };
-        assert_eq!(OptimalActuation::unpack(&whole.pack().unwrap()).unwrap(), whole);
-        assert!((whole.check.amplitude_error_percent() - 10.0).abs() < 1e-9);
+        assert_eq!(OptimalActuation::unpack(&optimum.pack().unwrap()).unwrap(), optimum);
+        assert!((optimum.check.amplitude_error_percent() - 10.0).abs() < 1e-9);
     }
 }

@@ -21,8 +21,8 @@ pub struct Path {
 impl Path {
     /// Of a track of another program.
     pub fn imported(track: &ImportedTrack) -> Self {
-        let (at, spread) = track.places();
-        Self { name: track.name.clone(), at, spread }
+        let (positions, spread) = track.places();
+        Self { name: track.name.clone(), at: positions, spread }
     }
 
     /// The mean position over a range of frames.
@@ -36,9 +36,11 @@ impl Path {
 /// Adds five columns a path, named `<marker>_x_<unit>` … `<marker>_yy_<unit>2`.
 pub fn pack(columns: Columns, paths: &[Path], unit: &str) -> Columns {
     paths.iter().fold(columns, |columns, path| {
-        let name = |what: &str| format!("{}_{what}", path.name);
-        let at = |k: usize| path.at.iter().map(|p| p[k]).collect();
-        let columns = columns.numbers(&name(&format!("x_{unit}")), at(0)).numbers(&name(&format!("y_{unit}")), at(1));
+        let name = |axis: &str| format!("{}_{axis}", path.name);
+        let coordinate = |k: usize| path.at.iter().map(|p| p[k]).collect();
+        let columns = columns
+            .numbers(&name(&format!("x_{unit}")), coordinate(0))
+            .numbers(&name(&format!("y_{unit}")), coordinate(1));
         pack_spread(columns, &path.name, &path.spread, unit)
     })
 }
@@ -63,11 +65,11 @@ pub fn unpack(columns: &Columns, names: &[String], unit: &str) -> Result<Vec<Pat
     names
         .iter()
         .map(|name| {
-            let column = |what: &str| columns.f64(&format!("{name}_{what}"));
+            let column = |axis: &str| columns.f64(&format!("{name}_{axis}"));
             let (x, y) = (column(&format!("x_{unit}"))?, column(&format!("y_{unit}"))?);
             // length: as above
-            let at = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
-            Ok(Path { name: name.clone(), at, spread: unpack_spread(columns, name, unit)? })
+            let positions = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
+            Ok(Path { name: name.clone(), at: positions, spread: unpack_spread(columns, name, unit)? })
         })
         .collect()
 }

@@ -76,7 +76,7 @@ pub struct WallErrors {
 
 impl WallErrors {
     fn metrics(&self, specimen: &str) -> [Metric; 4] {
-        let id = |what: &str| format!("recovery.{specimen}.{what}");
+        let id = |quantity: &str| format!("recovery.{specimen}.{quantity}");
         [
             Metric::new(id("dent_error_percent"), 100.0 * self.dent.abs(), "%"),
             Metric::new(id("dent_place_error_mm"), self.dent_at_m.abs() / MILLIMETRE, "mm"),
@@ -86,8 +86,8 @@ impl WallErrors {
     }
 }
 
-fn percent([held, all]: [usize; 2]) -> f64 {
-    100.0 * held as f64 / all.max(1) as f64
+fn coverage_percent([count, total]: [usize; 2]) -> f64 {
+    100.0 * count as f64 / total.max(1) as f64
 }
 
 impl Record for Recovered {
@@ -110,8 +110,8 @@ impl Record for Recovered {
             Metric::new("recovery.track_rms_px", self.track_rms_px, "px"),
             Metric::new("recovery.marker_rms_mm", self.marker_rms_mm, "mm"),
             Metric::new("recovery.marker_place_mm", self.marker_place_mm, "mm"),
-            Metric::new("recovery.track_coverage_percent", percent(self.track_coverage), "%"),
-            Metric::new("recovery.marker_coverage_percent", percent(self.marker_coverage), "%"),
+            Metric::new("recovery.track_coverage_percent", coverage_percent(self.track_coverage), "%"),
+            Metric::new("recovery.marker_coverage_percent", coverage_percent(self.marker_coverage), "%"),
             Metric::new("recovery.clock_error_ms", self.clock_error_ms, "ms"),
             Metric::new("recovery.focal_error_percent", self.focal_error_percent, "%"),
         ];
@@ -128,12 +128,12 @@ impl Record for Recovered {
     }
 
     fn summary(&self) -> String {
-        let one = |e: &Estimate| format!("{} {:.1} %", e.quantity.id(), 100.0 * e.relative_error().abs());
-        let of = |s: &Specimen| {
+        let error = |e: &Estimate| format!("{} {:.1} %", e.quantity.id(), 100.0 * e.relative_error().abs());
+        let text = |s: &Specimen| {
             let moduli = s.estimates.iter().filter(|e| e.quantity.kind() == QuantityKind::Moduli);
-            format!("{}: error of {}", s.name, moduli.map(one).collect::<Vec<_>>().join(", "))
+            format!("{}: error of {}", s.name, moduli.map(error).collect::<Vec<_>>().join(", "))
         };
-        self.specimens.iter().map(of).collect::<Vec<_>>().join("; ")
+        self.specimens.iter().map(text).collect::<Vec<_>>().join("; ")
     }
 }
 
@@ -151,16 +151,16 @@ mod tests {
             bulge: 0.1,
             rotation: -0.1,
         };
-        let found = walls.metrics("nemo").map(|m| (m.id.rsplit('.').next().unwrap().to_owned(), m.value));
+        let metrics = walls.metrics("nemo").map(|m| (m.id.rsplit('.').next().unwrap().to_owned(), m.value));
         let expected = [
             ("dent_error_percent", 20.0),
             ("dent_place_error_mm", 3.0),
             ("bulge_error_percent", 10.0),
             ("angle_error_deg", 5.7296),
         ];
-        for ((name, value), (id, other)) in found.iter().zip(expected) {
-            assert!(name == id && (value - other).abs() < 1e-4, "{name}: {value}");
+        for ((name, value), (id, expected_value)) in metrics.iter().zip(expected) {
+            assert!(name == id && (value - expected_value).abs() < 1e-4, "{name}: {value}");
         }
-        assert_eq!((percent([19, 20]), percent([0, 0])), (95.0, 0.0));
+        assert_eq!((coverage_percent([19, 20]), coverage_percent([0, 0])), (95.0, 0.0));
     }
 }

@@ -4,7 +4,7 @@ use fem::ReducedModelData;
 use serde::{Deserialize, Serialize};
 use si::Pascal;
 
-use super::unfit;
+use super::inconsistent_file;
 use crate::subject::Specimen;
 use workflow::columns::Columns;
 use workflow::metric::Metric;
@@ -31,7 +31,7 @@ struct Scalars {
 }
 
 impl Reduced {
-    fn points(&self) -> usize {
+    fn point_count(&self) -> usize {
         self.data.points.iter().map(Vec::len).sum()
     }
 }
@@ -51,12 +51,13 @@ impl Record for Reduced {
         };
         let numbered = modes.iter().enumerate();
         let modes = numbered.fold(Columns::default(), |c, (i, mode)| c.numbers(&format!("q{i}_m"), mode.clone()));
-        let of = |(region, of): (usize, &Vec<(u32, f64)>)| of.iter().map(|p| (region, *p)).collect::<Vec<_>>();
-        let all: Vec<(usize, (u32, f64))> = points.iter().enumerate().flat_map(of).collect();
+        let with_region =
+            |(region, points): (usize, &Vec<(u32, f64)>)| points.iter().map(|p| (region, *p)).collect::<Vec<_>>();
+        let rows: Vec<(usize, (u32, f64))> = points.iter().enumerate().flat_map(with_region).collect();
         let points = Columns::default()
-            .counts("region", all.iter().map(|(region, _)| *region as u32).collect())
-            .counts("point", all.iter().map(|(_, (point, _))| *point).collect())
-            .numbers("weight_m3", all.iter().map(|(_, (_, weight))| *weight).collect());
+            .counts("region", rows.iter().map(|(region, _)| *region as u32).collect())
+            .counts("point", rows.iter().map(|(_, (point, _))| *point).collect())
+            .numbers("weight_m3", rows.iter().map(|(_, (_, weight))| *weight).collect());
         RecordFiles::default()
             .table("modes.parquet", &modes)?
             .table("points.parquet", &points)?
@@ -67,45 +68,45 @@ impl Record for Reduced {
         let scalars: Scalars = files.read_scalars("reduced.json")?;
         let modes = files.read_table("modes.parquet")?;
         if scalars.regions > usize::from(u16::MAX) || modes.f64(&format!("q{}_m", scalars.coordinates)).is_ok() {
-            return Err(unfit(
+            return Err(inconsistent_file(
                 "reduced.json",
                 "it states fewer coordinates than modes, or more regions than there can be",
             ));
         }
         let modes = (0..scalars.coordinates).map(|i| modes.f64(&format!("q{i}_m"))).collect::<Result<_, _>>();
-        let modes = modes.map_err(|e| unfit("modes.parquet", e.to_string()))?;
+        let modes = modes.map_err(|e| inconsistent_file("modes.parquet", e.to_string()))?;
         let table = files.read_table("points.parquet")?;
         let (numbers, weights) = (table.u32("point")?, table.f64("weight_m3")?);
         // length: columns of one table are equally long
         let mut points = vec![Vec::new(); scalars.regions];
         for (region, point) in table.u32("region")?.into_iter().zip(numbers.into_iter().zip(weights)) {
-            points.get_mut(region as usize).ok_or_else(|| invalid(region, scalars.regions))?.push(point);
+            points.get_mut(region as usize).ok_or_else(|| invalid_region(region, scalars.regions))?.push(point);
         }
         let data = ReducedModelData { modes, points, size: scalars.size };
         if let Some(cause) = data.fault() {
-            return Err(unfit("modes.parquet or points.parquet", cause));
+            return Err(inconsistent_file("modes.parquet or points.parquet", cause));
         }
         Ok(Self { data, highest: scalars.highest_pa, contact: scalars.contact_pa })
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("reduce.{subject}.{what}");
+        let id = |quantity: &str| format!("reduce.{subject}.{quantity}");
         vec![
             Metric::new(id("coordinates"), self.data.modes.len() as f64, ""),
-            Metric::new(id("points"), self.points() as f64, ""),
+            Metric::new(id("points"), self.point_count() as f64, ""),
         ]
     }
 
     fn summary(&self) -> String {
-        let (coordinates, points) = (self.data.modes.len(), self.points());
+        let (coordinates, points) = (self.data.modes.len(), self.point_count());
         let highest = self.highest / si::MILLIBAR;
         let contact = self.contact.map(|p| format!(", walls touch from {:.0} mbar on", p / si::MILLIBAR));
         format!("{coordinates} coordinates, {points} points, up to {highest:.0} mbar{}", contact.unwrap_or_default())
     }
 }
 
-fn invalid(region: u32, regions: usize) -> RecordError {
-    unfit("points.parquet", format!("a point of region {region}, of {regions}"))
+fn invalid_region(region: u32, regions: usize) -> RecordError {
+    inconsistent_file("points.parquet", format!("a point of region {region}, of {regions}"))
 }
 
 #[cfg(test)]
@@ -117,8 +118,8 @@ mod tests {
         let points = vec![vec![(3, 1e-9), (7, 2e-9)], Vec::new(), vec![(9, 5e-10)]];
         let data = ReducedModelData { modes: vec![vec![0.1, -0.2, 0.3], vec![0.0, 1e-9, 7.0]], points, size: 2.5 };
         for contact in [None, Some(1.5e4)] {
-            let whole = Reduced { data: data.clone(), highest: 2e4, contact };
-            assert_eq!(Reduced::unpack(&whole.pack().unwrap()).unwrap(), whole);
+            let reduced = Reduced { data: data.clone(), highest: 2e4, contact };
+            assert_eq!(Reduced::unpack(&reduced.pack().unwrap()).unwrap(), reduced);
         }
     }
 
@@ -126,9 +127,9 @@ mod tests {
     fn a_reduced_model_with_a_number_or_a_count_that_cannot_be_is_refused_with_the_file() {
         let points = vec![vec![(3, 1e-9), (7, 2e-9)]];
         let data = ReducedModelData { modes: vec![vec![0.1, -0.2, 0.3], vec![0.0, 1e-9, 7.0]], points, size: 2.5 };
-        let whole = Reduced { data, highest: 2e4, contact: None };
+        let reduced = Reduced { data, highest: 2e4, contact: None };
         let refused = |damage: &dyn Fn(&mut Reduced), words: &str| {
-            let mut damaged = whole.clone();
+            let mut damaged = reduced.clone();
             damage(&mut damaged);
             let error = Reduced::unpack(&damaged.pack().unwrap()).unwrap_err().to_string();
             assert!(error.contains("points.parquet") && error.contains(words), "{error}");
@@ -137,12 +138,13 @@ mod tests {
         refused(&|r| r.data.modes.iter_mut().for_each(|mode| mode.truncate(2)), "3 numbers per node");
         refused(&|r| r.data.points[0][1].1 = -1e-9, "weight of a point");
         refused(&|r| r.data.size = 0.0, "must be above 0");
-        let text = String::from_utf8(whole.pack().unwrap().bytes("reduced.json").unwrap().to_vec()).unwrap();
-        for (from, to) in
+        let text = String::from_utf8(reduced.pack().unwrap().bytes("reduced.json").unwrap().to_vec()).unwrap();
+        for (original, replacement) in
             [("\"coordinates\": 2", "\"coordinates\": 1"), ("\"regions\": 1", "\"regions\": 18446744073709551615")]
         {
-            let damaged = whole.pack().unwrap().file("reduced.json", text.replace(from, to).into_bytes());
-            assert!(Reduced::unpack(&damaged).unwrap_err().to_string().contains("reduced.json"), "{to}");
+            let damaged =
+                reduced.pack().unwrap().file("reduced.json", text.replace(original, replacement).into_bytes());
+            assert!(Reduced::unpack(&damaged).unwrap_err().to_string().contains("reduced.json"), "{replacement}");
         }
     }
 }

@@ -36,8 +36,8 @@ impl Relaxation {
     /// # Errors
     /// As [`IdentifiedSpectrum::relaxation`].
     pub fn silicone(&self, model: &Model, identified: &Identified) -> Result<Viscoelastic> {
-        let held = identified.elastic(model);
-        Ok(Viscoelastic::measured_at(self.spectrum.modulus_time_s, held, self.spectrum.relaxation()?))
+        let elastic = identified.elastic(model);
+        Ok(Viscoelastic::measured_at(self.spectrum.modulus_time_s, elastic, self.spectrum.relaxation()?))
     }
 }
 
@@ -51,12 +51,12 @@ impl Record for Relaxation {
 
     fn unpack(files: &RecordFiles) -> std::result::Result<Self, RecordError> {
         let relaxation: Self = files.read_scalars("relaxation.json")?;
-        let fault = relaxation.spectrum.fault().map(|cause| super::unfit("relaxation.json", cause));
+        let fault = relaxation.spectrum.fault().map(|cause| super::inconsistent_file("relaxation.json", cause));
         fault.map_or(Ok(relaxation), Err)
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("relaxation.{subject}.{what}");
+        let id = |quantity: &str| format!("relaxation.{subject}.{quantity}");
         let mut metrics = vec![
             Metric::new(id("rmse_mm"), 1e3 * self.rmse_m, "mm"),
             Metric::new(id("elastic_rmse_mm"), 1e3 * self.elastic_rmse_m, "mm"),
@@ -92,7 +92,7 @@ const UNDETERMINED: f64 = 0.7;
 mod tests {
     use super::*;
 
-    fn whole() -> Relaxation {
+    fn relaxation() -> Relaxation {
         let branch = |time_s, strength| IdentifiedBranch { time_s, strength, sigma: 0.1, over_prior: 0.1 };
         let spectrum = IdentifiedSpectrum {
             branches: vec![branch(0.01, 0.2), branch(1.0, 0.1)],
@@ -116,12 +116,12 @@ mod tests {
 
     #[test]
     fn a_relaxation_survives_its_record() {
-        assert_eq!(Relaxation::unpack(&whole().pack().unwrap()).unwrap(), whole());
+        assert_eq!(Relaxation::unpack(&relaxation().pack().unwrap()).unwrap(), relaxation());
     }
 
     #[test]
     fn a_relaxation_with_lists_of_another_number_of_branches_is_refused_with_its_file() {
-        let (mut fewer, mut response) = (whole(), whole());
+        let (mut fewer, mut response) = (relaxation(), relaxation());
         fewer.spectrum.correlation.pop();
         response.spectrum.modulus_response[0].push(0.1);
         for (damaged, words) in [(fewer, "2 branches have 3 correlations"), (response, "3 responses of 2 branches")] {

@@ -57,8 +57,8 @@ const COLUMNS: [Column; 5] = [
 pub(super) fn table(runs: &[Run]) -> Columns {
     let heads: Vec<Head> = runs.iter().map(Head::of).collect();
     let (markers, chambers) = heads.first().map_or((0, 0), |h| (h.markers, h.chambers));
-    let each = |of: &dyn Fn(&Run, usize) -> f64| -> Vec<f64> {
-        runs.iter().flat_map(|run| (0..run.len()).map(|i| of(run, i)).collect::<Vec<_>>()).collect()
+    let each = |value: &dyn Fn(&Run, usize) -> f64| -> Vec<f64> {
+        runs.iter().flat_map(|run| (0..run.len()).map(|i| value(run, i)).collect::<Vec<_>>()).collect()
     };
     let mut table = Columns::default().numbers("time_s", each(&|r, i| r.time[i]));
     table = table.numbers("force_n", each(&|r, i| r.force[i]));
@@ -72,7 +72,7 @@ pub(super) fn table(runs: &[Run]) -> Columns {
             .numbers(&format!("p{chamber}_pa"), each(&|r, i| r.pressure[i][chamber]))
             .numbers(&format!("vp{chamber}_pa_s"), each(&|r, i| r.pressure_rate[i][chamber]));
     }
-    COLUMNS.iter().fold(table, |table, (name, of)| table.numbers(name, each(&|r, i| of(&r.terms[i]))))
+    COLUMNS.iter().fold(table, |table, (name, term)| table.numbers(name, each(&|r, i| term(&r.terms[i]))))
 }
 
 /// The runs of a table.
@@ -81,28 +81,31 @@ pub(super) fn table(runs: &[Run]) -> Columns {
 /// [`RecordError`] when a column is absent or its length differs from that of the heads.
 pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordError> {
     let rows = heads.iter().try_fold(0_usize, |sum, head| sum.checked_add(head.samples));
-    let rows = rows.ok_or_else(|| super::unfit("thrust.json", "its runs have more samples than there can be"))?;
+    let rows =
+        rows.ok_or_else(|| super::inconsistent_file("thrust.json", "its runs have more samples than there can be"))?;
     let column = |name: &str| -> Result<Vec<f64>, RecordError> {
         let values = table.f64(name)?;
         if values.len() == rows { Ok(values) } else { Err(RecordError::Absent(format!("{name} of {rows} samples"))) }
     };
     let (markers, chambers) = heads.first().map_or((0, 0), |h| (h.markers, h.chambers));
     if heads.iter().any(|head| (head.markers, head.chambers) != (markers, chambers)) {
-        return Err(super::unfit("thrust.json", "its runs differ in markers or chambers"));
+        return Err(super::inconsistent_file("thrust.json", "its runs differ in markers or chambers"));
     }
     let several = |names: Vec<String>| names.iter().map(|n| column(n)).collect::<Result<Vec<_>, _>>();
-    let of_marks = |before: &str, unit: &str| {
-        several((0..markers).flat_map(|m| ["x", "y"].map(|a| format!("{before}{a}{m}_{unit}"))).collect())
+    let of_marks = |prefix: &str, unit: &str| {
+        several((0..markers).flat_map(|m| ["x", "y"].map(|a| format!("{prefix}{a}{m}_{unit}"))).collect())
     };
     let of_chambers =
-        |before: &str, unit: &str| several((0..chambers).map(|c| format!("{before}{c}_{unit}")).collect());
+        |prefix: &str, unit: &str| several((0..chambers).map(|c| format!("{prefix}{c}_{unit}")).collect());
     let (time, force) = (column("time_s")?, column("force_n")?);
-    let (moved, speed) = (of_marks("", "m")?, of_marks("v", "m_s")?);
+    let (displacement, speed) = (of_marks("", "m")?, of_marks("v", "m_s")?);
     let (pressure, pressure_rate) = (of_chambers("p", "pa")?, of_chambers("vp", "pa_s")?);
     let parts = COLUMNS.iter().map(|(name, _)| column(name)).collect::<Result<Vec<_>, _>>()?;
     // length: a column along x and one along y were read of each marker
-    let points = |of: &[Vec<f64>], i: usize| of.chunks_exact(2).map(|xy| [xy[0][i], xy[1][i]]).collect::<Vec<Point2>>();
-    let numbers = |of: &[Vec<f64>], i: usize| of.iter().map(|c| c[i]).collect::<Vec<f64>>();
+    let points = |columns: &[Vec<f64>], i: usize| {
+        columns.chunks_exact(2).map(|xy| [xy[0][i], xy[1][i]]).collect::<Vec<Point2>>()
+    };
+    let numbers = |columns: &[Vec<f64>], i: usize| columns.iter().map(|c| c[i]).collect::<Vec<f64>>();
     let part = |i: usize| TheoryTerms {
         trailing_edge: parts[0][i],
         edge_flux: parts[1][i],
@@ -110,10 +113,10 @@ pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordEr
         drag: parts[3][i],
         tip_acceleration: parts[4][i],
     };
-    let mut from = 0;
-    let one = |head: &Head| {
-        let rows = from..from + head.samples;
-        from = rows.end;
+    let mut start = 0;
+    let run = |head: &Head| {
+        let rows = start..start + head.samples;
+        start = rows.end;
         Run {
             id: head.id.clone(),
             amplitude: head.amplitude_pa,
@@ -122,14 +125,14 @@ pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordEr
             rate: head.rate_hz,
             time: time[rows.clone()].to_vec(),
             force: force[rows.clone()].to_vec(),
-            moved: rows.clone().map(|i| points(&moved, i)).collect(),
+            moved: rows.clone().map(|i| points(&displacement, i)).collect(),
             speed: rows.clone().map(|i| points(&speed, i)).collect(),
             pressure: rows.clone().map(|i| numbers(&pressure, i)).collect(),
             pressure_rate: rows.clone().map(|i| numbers(&pressure_rate, i)).collect(),
             terms: rows.map(part).collect(),
         }
     };
-    Ok(heads.iter().map(one).collect())
+    Ok(heads.iter().map(run).collect())
 }
 
 #[cfg(test)]

@@ -52,22 +52,22 @@ impl Selection for UnderwaterStaircases {
 pub type IdentificationTrials<R> = OfTrials<R, Identification>;
 
 impl<R: Record<Of = Trial>, S: Selection, P> OfTrials<R, S, P> {
-    fn subjects(of: &Specimen) -> Vec<Trial> {
-        of.trials().into_iter().filter(|trial| S::selects(trial) && R::is_made_for(trial)).collect()
+    fn subjects(specimen: &Specimen) -> Vec<Trial> {
+        specimen.trials().into_iter().filter(|trial| S::selects(trial) && R::is_made_for(trial)).collect()
     }
 }
 
 impl<R: Record<Of = Trial>, S: Selection, P: Part<Trial>> Needs<Specimen> for OfTrials<R, S, P> {
-    fn ids(of: &Specimen) -> Vec<RecordId> {
-        ids_of::<R>(&Self::subjects(of))
+    fn ids(specimen: &Specimen) -> Vec<RecordId> {
+        ids_of::<R>(&Self::subjects(specimen))
     }
 
-    fn parts(of: &Specimen) -> Value {
-        parts_of::<Trial, P>(&Self::subjects(of))
+    fn parts(specimen: &Specimen) -> Value {
+        parts_of::<Trial, P>(&Self::subjects(specimen))
     }
 
-    fn read(of: &Specimen, reader: &dyn RecordReader) -> Result<Self> {
-        Ok(Self(read_each(&Self::subjects(of), reader)?, PhantomData))
+    fn read(specimen: &Specimen, reader: &dyn RecordReader) -> Result<Self> {
+        Ok(Self(read_each(&Self::subjects(specimen), reader)?, PhantomData))
     }
 }
 
@@ -79,12 +79,12 @@ where
     R: Record,
     R::Of: SubjectOf<Trial>,
 {
-    fn ids(of: &Trial) -> Vec<RecordId> {
-        if of.is_in_water() { vec![id::<R>(&R::Of::subject_of(of))] } else { Vec::new() }
+    fn ids(trial: &Trial) -> Vec<RecordId> {
+        if trial.is_in_water() { vec![id::<R>(&R::Of::subject_of(trial))] } else { Vec::new() }
     }
 
-    fn read(of: &Trial, reader: &dyn RecordReader) -> Result<Self> {
-        of.is_in_water().then(|| read_one(&R::Of::subject_of(of), reader)).transpose().map(Self)
+    fn read(trial: &Trial, reader: &dyn RecordReader) -> Result<Self> {
+        trial.is_in_water().then(|| read_one(&R::Of::subject_of(trial), reader)).transpose().map(Self)
     }
 }
 
@@ -92,11 +92,11 @@ where
 pub struct Repeats<R: Record>(pub Vec<R>);
 
 impl<R: Record<Of = Trial>> Needs<Trial> for Repeats<R> {
-    fn ids(of: &Trial) -> Vec<RecordId> {
-        ids_of::<R>(&of.repeats())
+    fn ids(trial: &Trial) -> Vec<RecordId> {
+        ids_of::<R>(&trial.repeats())
     }
 
-    fn read(of: &Trial, reader: &dyn RecordReader) -> Result<Self> {
-        of.repeats().iter().map(|trial| read_one(trial, reader)).collect::<Result<_>>().map(Self)
+    fn read(trial: &Trial, reader: &dyn RecordReader) -> Result<Self> {
+        trial.repeats().iter().map(|repeat| read_one(repeat, reader)).collect::<Result<_>>().map(Self)
     }
 }

@@ -70,15 +70,15 @@ impl Trial {
 
     /// The trials of the same experiment in the same medium with the same role, this one among them, in the order of the card.
     pub fn repeats(&self) -> Vec<Trial> {
-        let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
-        self.on_card().map(of).collect()
+        let subject = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
+        self.on_card().map(subject).collect()
     }
 
     /// The entries of its repeats.
     fn on_card(&self) -> impl Iterator<Item = &card::Trial> {
-        let own = &*self.trial;
+        let trial = &*self.trial;
         let key = |t: &card::Trial| (t.medium, t.role);
-        self.card.trial.iter().filter(move |t| key(t) == key(own) && t.experiment == own.experiment)
+        self.card.trial.iter().filter(move |t| key(t) == key(trial) && t.experiment == trial.experiment)
     }
 
     /// Whether it is the first of its repeats.
@@ -138,14 +138,14 @@ impl Specimen {
 
     /// Its trials, in the order of the card.
     pub fn trials(&self) -> Vec<Trial> {
-        let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
-        self.card.trial.iter().map(of).collect()
+        let subject = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
+        self.card.trial.iter().map(subject).collect()
     }
 
     /// The first of the staircases with the highest level.
     pub fn highest_staircase(&self) -> Option<Trial> {
-        let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
-        self.card.highest_staircase().map(of)
+        let subject = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
+        self.card.highest_staircase().map(subject)
     }
 }
 
@@ -230,13 +230,13 @@ impl Part<Trial> for Trial {
 }
 
 impl Serialize for Specimen {
-    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        self.card.digest().serialize(to)
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.card.digest().serialize(serializer)
     }
 }
 
 impl Serialize for Trial {
-    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        (self.card.digest(), &self.trial.id).serialize(to)
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.card.digest(), &self.trial.id).serialize(serializer)
     }
 }

@@ -33,7 +33,7 @@ struct Scalars {
     noise_n: f64,
     suppression_db: f64,
     size_m: [Metre; 2],
-    waves: Vec<One>,
+    waves: Vec<WaveScalars>,
     level: f64,
     evidence: Vec<Tested>,
     sampling: lab::Sampling,
@@ -77,7 +77,7 @@ impl From<Tested> for Evidence {
 }
 
 #[derive(Serialize, Deserialize)]
-struct One {
+struct WaveScalars {
     frequency_hz: [Hertz; 2],
     decay: [f64; 2],
     amplitude_n: Newton,
@@ -101,18 +101,18 @@ impl Record for Tank {
     type Of = Specimen;
     const STAGE: &'static str = "tank";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        of.card.fixture.iter().any(is_still_water)
+    fn is_made_for(specimen: &Specimen) -> bool {
+        specimen.card.fixture.iter().any(is_still_water)
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
-        let one = |w: &Wave| One {
+        let wave_scalars = |w: &Wave| WaveScalars {
             frequency_hz: [w.frequency, w.frequency_sigma],
             decay: [w.decay, w.decay_sigma],
             amplitude_n: w.amplitude,
             phase: w.phase,
         };
-        let waves = self.waves.iter().map(one).collect();
+        let waves = self.waves.iter().map(wave_scalars).collect();
         let scalars = Scalars {
             noise_n: self.noise,
             suppression_db: self.suppression_db,
@@ -127,7 +127,7 @@ impl Record for Tank {
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("tank.json")?;
-        let one = |w: One| Wave {
+        let wave = |w: WaveScalars| Wave {
             frequency: w.frequency_hz[0],
             frequency_sigma: w.frequency_hz[1],
             decay: w.decay[0],
@@ -135,7 +135,7 @@ impl Record for Tank {
             amplitude: w.amplitude_n,
             phase: w.phase,
         };
-        let waves = s.waves.into_iter().map(one).collect();
+        let waves = s.waves.into_iter().map(wave).collect();
         Ok(Self {
             waves,
             evidence: s.evidence.into_iter().map(Evidence::from).collect(),
@@ -151,17 +151,21 @@ impl Record for Tank {
         let name = subject;
         let p_value =
             |(i, e): (usize, &Evidence)| Metric::new(format!("wave.{name}.mode{}_p_value", i + 1), e.p_value, "");
-        let mut all: Vec<Metric> = self.evidence.iter().enumerate().map(p_value).collect();
+        let mut metrics: Vec<Metric> = self.evidence.iter().enumerate().map(p_value).collect();
         if !self.waves.is_empty() {
-            all.push(Metric::new(format!("wave.{name}.suppression_db"), self.suppression_db, "dB"));
-            all.push(Metric::new("wave.suppression_db", self.suppression_db, "dB"));
+            metrics.push(Metric::new(format!("wave.{name}.suppression_db"), self.suppression_db, "dB"));
+            metrics.push(Metric::new("wave.suppression_db", self.suppression_db, "dB"));
         }
         for (i, wave) in self.waves.iter().enumerate() {
-            all.push(Metric::new(format!("wave.{name}.mode{}_frequency_hz", i + 1), wave.frequency, "Hz"));
-            all.push(Metric::new(format!("wave.{name}.mode{}_frequency_sigma_hz", i + 1), wave.frequency_sigma, "Hz"));
+            metrics.push(Metric::new(format!("wave.{name}.mode{}_frequency_hz", i + 1), wave.frequency, "Hz"));
+            metrics.push(Metric::new(
+                format!("wave.{name}.mode{}_frequency_sigma_hz", i + 1),
+                wave.frequency_sigma,
+                "Hz",
+            ));
         }
-        all.extend(self.waves.first().map(|w| Metric::new("wave.frequency_hz", w.frequency, "Hz")));
-        all
+        metrics.extend(self.waves.first().map(|w| Metric::new("wave.frequency_hz", w.frequency, "Hz")));
+        metrics
     }
 
     fn summary(&self) -> String {

@@ -125,8 +125,8 @@ impl Record for Thrust {
     type Of = Specimen;
     const STAGE: &'static str = "thrust";
 
-    fn is_made_for(of: &Specimen) -> bool {
-        let has = |split| of.trials().iter().any(|t| t.has_force_in_water() && t.trial.split == Some(split));
+    fn is_made_for(specimen: &Specimen) -> bool {
+        let has = |split| specimen.trials().iter().any(|t| t.has_force_in_water() && t.trial.split == Some(split));
         has(lab::card::Split::Train) && has(lab::card::Split::Test)
     }
 
@@ -184,18 +184,18 @@ impl Record for Thrust {
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let name = subject;
-        let mut all = vec![Metric::new(format!("thrust.{name}.crosstalk_lag_s"), self.crosstalk.lag_s, "s")];
+        let mut metrics = vec![Metric::new(format!("thrust.{name}.crosstalk_lag_s"), self.crosstalk.lag_s, "s")];
         for scored in self.scores.iter().filter(|s| s.seed == 0) {
             let id = match scored.split_rule.as_str() {
                 "card" => format!("thrust.{name}.{}", scored.model),
                 split_rule => format!("thrust.{name}.{}.by_{split_rule}", scored.model),
             };
             let s = &scored.score;
-            all.push(Metric::new(format!("{id}.nrmse"), s.nrmse, ""));
-            all.push(Metric::new(format!("{id}.mean_error_percent"), s.mean_error_percent, "%"));
-            all.push(Metric::new(format!("{id}.phase_deg"), s.phase_deg, "°"));
+            metrics.push(Metric::new(format!("{id}.nrmse"), s.nrmse, ""));
+            metrics.push(Metric::new(format!("{id}.mean_error_percent"), s.mean_error_percent, "%"));
+            metrics.push(Metric::new(format!("{id}.phase_deg"), s.phase_deg, "°"));
         }
-        all
+        metrics
     }
 
     fn summary(&self) -> String {

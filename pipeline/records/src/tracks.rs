@@ -30,8 +30,8 @@ impl Record for Tracks {
     type Of = Trial;
     const STAGE: &'static str = "track";
 
-    fn is_made_for(of: &Trial) -> bool {
-        of.trial.video.is_some()
+    fn is_made_for(trial: &Trial) -> bool {
+        trial.trial.video.is_some()
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {

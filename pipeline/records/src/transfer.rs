@@ -38,19 +38,23 @@ pub struct Layout {
 }
 
 impl Part<Specimen> for Layout {
-    fn part_of(of: &Specimen) -> Self {
-        Self { name: of.card.name.clone(), markers: of.card.marker.len(), chambers: of.card.chamber.len() }
+    fn part_of(specimen: &Specimen) -> Self {
+        Self {
+            name: specimen.card.name.clone(),
+            markers: specimen.card.marker.len(),
+            chambers: specimen.card.chamber.len(),
+        }
     }
 }
 
 impl Layout {
     /// The names of the largest group with equal numbers of markers and chambers; of equal groups, the first.
-    pub fn alike(all: &[Layout]) -> Vec<String> {
+    pub fn alike(layouts: &[Layout]) -> Vec<String> {
         let same = |a: &Layout, b: &Layout| (a.markers, a.chambers) == (b.markers, b.chambers);
-        let like = |s: &Layout| all.iter().filter(|o| same(o, s)).count();
-        let most = all.iter().rev().max_by_key(|s| like(s));
-        let found = |of: &Layout| all.iter().filter(|s| same(s, of)).map(|s| s.name.clone()).collect();
-        most.map(found).unwrap_or_default()
+        let group_size = |s: &Layout| layouts.iter().filter(|o| same(o, s)).count();
+        let largest = layouts.iter().rev().max_by_key(|s| group_size(s));
+        let names = |layout: &Layout| layouts.iter().filter(|s| same(s, layout)).map(|s| s.name.clone()).collect();
+        largest.map(names).unwrap_or_default()
     }
 
     /// Those of specimens with force measurements.
@@ -63,8 +67,8 @@ impl Record for Transfer {
     type Of = Study;
     const STAGE: &'static str = "transfer";
 
-    fn is_made_for(of: &Study) -> bool {
-        Layout::alike(&Layout::with_force(of)).len() > 1
+    fn is_made_for(study: &Study) -> bool {
+        Layout::alike(&Layout::with_force(study)).len() > 1
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -76,28 +80,28 @@ impl Record for Transfer {
     }
 
     fn metrics(&self, _: &str) -> Vec<Metric> {
-        let both = |held: &HeldOut| {
-            let (id, score) = (format!("transfer.{}.{}", held.tail, held.scored.model), &held.scored.score);
+        let score_metrics = |held_out: &HeldOut| {
+            let (id, score) = (format!("transfer.{}.{}", held_out.tail, held_out.scored.model), &held_out.scored.score);
             [
                 Metric::new(format!("{id}.nrmse"), score.nrmse, ""),
                 Metric::new(format!("{id}.mean_error_percent"), score.mean_error_percent, "%"),
             ]
         };
-        self.scores.iter().flat_map(both).collect()
+        self.scores.iter().flat_map(score_metrics).collect()
     }
 
     fn summary(&self) -> String {
-        let mut tails: Vec<&str> = self.scores.iter().map(|held| held.tail.as_str()).collect();
+        let mut tails: Vec<&str> = self.scores.iter().map(|held_out| held_out.tail.as_str()).collect();
         tails.dedup();
         let best = |tail: &&str| {
-            let of = self.scores.iter().filter(|held| held.tail == *tail).map(|held| &held.scored);
-            let best = of.min_by(|a, b| a.score.nrmse.total_cmp(&b.score.nrmse));
+            let scores = self.scores.iter().filter(|held_out| held_out.tail == *tail).map(|held_out| &held_out.scored);
+            let best = scores.min_by(|a, b| a.score.nrmse.total_cmp(&b.score.nrmse));
             best.map(|b| format!("{tail} best by {} (NRMSE {:.2})", b.model, b.score.nrmse))
         };
         let mut text: Vec<String> = tails.iter().filter_map(best).collect();
-        let out =
+        let omission =
             |tail: &String| format!("{tail} left out: its number of markers or chambers differs from the others'");
-        text.extend(self.left_out.iter().map(out));
+        text.extend(self.left_out.iter().map(omission));
         text.join(", ")
     }
 }

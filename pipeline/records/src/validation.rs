@@ -98,7 +98,7 @@ struct Durations {
 const PATHS: [&str; 4] = ["measured", "deviation", "simulated", PAPER_MODEL];
 
 impl Validation {
-    fn paths(&self) -> [(&'static str, &[Point2]); 4] {
+    fn named_paths(&self) -> [(&'static str, &[Point2]); 4] {
         let [measured, deviation, simulated, by_paper_model] = PATHS;
         [
             (measured, &self.measured),
@@ -124,17 +124,19 @@ impl Record for Validation {
     type Of = Trial;
     const STAGE: &'static str = "validate";
 
-    fn is_made_for(of: &Trial) -> bool {
-        let wet = || Drag::is_made_for(&Specimen { card: of.card.clone() });
-        of.is_for_validation() && of.is_first_repeat() && (!of.is_in_water() || wet())
+    fn is_made_for(trial: &Trial) -> bool {
+        let wet = || Drag::is_made_for(&Specimen { card: trial.card.clone() });
+        trial.is_for_validation() && trial.is_first_repeat() && (!trial.is_in_water() || wet())
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
-        let columns =
-            self.paths().iter().fold(Columns::default().numbers("time_s", self.time.clone()), |c, (who, path)| {
-                let along = |k: usize| path.iter().map(|p| p[k]).collect();
-                c.numbers(&format!("{who}_x_m"), along(0)).numbers(&format!("{who}_y_m"), along(1))
-            });
+        let columns = self.named_paths().iter().fold(
+            Columns::default().numbers("time_s", self.time.clone()),
+            |c, (who, path)| {
+                let axis = |k: usize| path.iter().map(|p| p[k]).collect();
+                c.numbers(&format!("{who}_x_m"), axis(0)).numbers(&format!("{who}_y_m"), axis(1))
+            },
+        );
         let pressures = self.pressures.iter().enumerate();
         let columns = pressures.fold(columns, |c, (i, p)| c.numbers(&format!("chamber{i}_pa"), p.clone()));
         RecordFiles::default()
@@ -167,10 +169,10 @@ impl Record for Validation {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |what: &str| format!("validate.{}.{what}", crate::subject::Condition::of(subject).0);
+        let id = |quantity: &str| format!("validate.{}.{quantity}", crate::subject::Condition::of(subject).0);
         let percent = |m: Metre| 100.0 * m / self.length;
-        let others = self.scored.iter().chain(&self.baselines);
-        let others = others.map(|s| Metric::new(id(&format!("{}.rmse_percent", s.name)), percent(s.rmse), "%"));
+        let models = self.scored.iter().chain(&self.baselines);
+        let models = models.map(|s| Metric::new(id(&format!("{}.rmse_percent", s.name)), percent(s.rmse), "%"));
         let mut metrics = vec![
             Metric::new(id("rmse_mm"), 1e3 * self.rmse, "mm"),
             Metric::new(id("rmse_percent"), self.rmse_percent(), "%"),
@@ -181,24 +183,24 @@ impl Record for Validation {
             Metric::new(id("repeats"), self.repeats as f64, ""),
             Metric::new(id("reduced_coordinates"), self.coordinates as f64, ""),
         ];
-        metrics.extend(self.reduction.map(|off| Metric::new(id("reduction_percent"), 100.0 * off, "%")));
-        metrics.extend(self.twin_error.map(|off| Metric::new(id("twin_error_percent"), percent(off), "%")));
+        metrics.extend(self.reduction.map(|error| Metric::new(id("reduction_percent"), 100.0 * error, "%")));
+        metrics.extend(self.twin_error.map(|error| Metric::new(id("twin_error_percent"), percent(error), "%")));
         metrics.extend(self.real_time_factor.map(|factor| Metric::new(id("real_time_factor"), factor, "")));
         metrics.extend(self.lag.map(|lag| Metric::new(id("lag_ms"), 1e3 * lag, "ms")));
-        metrics.extend(others);
+        metrics.extend(models);
         metrics
     }
 
     fn summary(&self) -> String {
         let text = |s: &ScoredModel| format!("{} {:.2}", s.name, 1e3 * s.rmse);
-        let others: Vec<String> = self.scored.iter().skip(1).chain(&self.baselines).map(text).collect();
+        let errors: Vec<String> = self.scored.iter().skip(1).chain(&self.baselines).map(text).collect();
         let (mm, percent) = (1e3 * self.rmse, self.rmse_percent());
         format!(
             "RMSE {mm:.2} mm, {percent:.2} % of the length, {} repeats ({} mm); {} coordinates{}",
             self.repeats,
-            others.join(", "),
+            errors.join(", "),
             self.coordinates,
-            self.reduction.map_or(String::new(), |off| format!(", {:.2} % from the full model", 100.0 * off)),
+            self.reduction.map_or(String::new(), |error| format!(", {:.2} % from the full model", 100.0 * error)),
         )
     }
 }

@@ -57,7 +57,7 @@ impl Symbolic {
     pub(crate) fn of_triangle(columns: &[u32], rows: &[u32]) -> Result<Self, FactorError> {
         let n = columns.len() - 1;
         let lower = SymbolicSparseColMat::new_checked(n, n, columns.to_vec(), None, rows.to_vec());
-        let (columns, rows) = upper(columns, rows);
+        let (columns, rows) = upper_pattern(columns, rows);
         let upper = SymbolicSparseColMat::new_checked(n, n, columns, None, rows);
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
@@ -75,10 +75,10 @@ impl Symbolic {
 
     /// Multiplications and additions of a factorisation: the sum of the squares of the columns' lengths.
     pub fn flops(&self) -> f64 {
-        let SymbolicCholeskyRaw::Supernodal(own) = self.cholesky.raw() else { return 0.0 };
+        let SymbolicCholeskyRaw::Supernodal(supernodal) = self.cholesky.raw() else { return 0.0 };
         let column = |length: u32| f64::from(length).powi(2);
-        let ends = own.supernode_begin().iter().zip(own.supernode_end());
-        let below = own.col_ptr_for_row_idx().windows(2).map(|pair| pair[1] - pair[0]);
+        let ends = supernodal.supernode_begin().iter().zip(supernodal.supernode_end());
+        let below = supernodal.col_ptr_for_row_idx().windows(2).map(|pair| pair[1] - pair[0]);
         ends.zip(below)
             .map(|((begin, end), below)| (1..=end - begin).map(|inside| column(inside + below)).sum::<f64>())
             .sum()
@@ -86,7 +86,7 @@ impl Symbolic {
 }
 
 /// The transposed pattern: faer analyses an upper triangle, and factorises a lower one.
-fn upper(lower_columns: &[u32], lower_rows: &[u32]) -> (Vec<u32>, Vec<u32>) {
+fn upper_pattern(lower_columns: &[u32], lower_rows: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let n = lower_columns.len() - 1;
     let mut columns = vec![0u32; n + 1];
     lower_rows.iter().for_each(|&row| columns[row as usize + 1] += 1);
@@ -159,7 +159,7 @@ impl Factor {
             Ok(_) => self.ready = true,
             Err(_) => return Err(FactorError::NotPositiveDefinite),
         }
-        let residual = self.residual(symbolic, pattern, values, probe);
+        let residual = self.relative_residual(symbolic, pattern, values, probe);
         if residual <= RESIDUAL_LIMIT {
             return Ok(());
         }
@@ -168,8 +168,8 @@ impl Factor {
     }
 
     /// ‖Kx − b‖ over ‖b‖ or ‖diag(K) x‖, whichever is larger, for b = `probe`.
-    fn residual(&mut self, symbolic: &Symbolic, pattern: &Pattern, values: &[f64], probe: &[f64]) -> f64 {
-        let size = norm(probe);
+    fn relative_residual(&mut self, symbolic: &Symbolic, pattern: &Pattern, values: &[f64], probe: &[f64]) -> f64 {
+        let size = euclidean_norm(probe);
         if size == 0.0 {
             return 0.0;
         }
@@ -180,7 +180,7 @@ impl Factor {
         back.iter_mut().zip(probe).for_each(|(left, right)| *left -= right);
         let diagonal = pattern.columns.iter().map(|&first| first as usize);
         let terms: Vec<f64> = x.iter().zip(diagonal).map(|(x, first)| values[first] * x).collect();
-        norm(&back) / size.max(norm(&terms))
+        euclidean_norm(&back) / size.max(euclidean_norm(&terms))
     }
 
     /// x ← K⁻¹ x, in elimination order.
@@ -199,6 +199,6 @@ impl Factor {
     }
 }
 
-fn norm(x: &[f64]) -> f64 {
+fn euclidean_norm(x: &[f64]) -> f64 {
     x.iter().map(|v| v * v).sum::<f64>().sqrt()
 }

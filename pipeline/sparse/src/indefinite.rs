@@ -69,7 +69,7 @@ impl IndefiniteFactor {
             Default::default(),
         );
         self.negative = self.count_negative();
-        let residual = self.residual(matrix);
+        let residual = self.relative_residual(matrix);
         if residual <= RESIDUAL_LIMIT { Ok(()) } else { Err(FactorError::Inaccurate { residual }) }
     }
 
@@ -98,15 +98,15 @@ impl IndefiniteFactor {
         let [forward, inverse] = &self.permutation;
         let permutation = PermRef::new_checked(forward, inverse, forward.len());
         let factor = SupernodalIntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, permutation);
-        let of = |node: usize| {
+        let negative_count = |node: usize| {
             let supernode = factor.supernode(node);
             negative_pivots(supernode.val(), &self.subdiagonal[supernode.start()..])
         };
-        (0..symbolic.n_supernodes()).map(of).sum()
+        (0..symbolic.n_supernodes()).map(negative_count).sum()
     }
 
     /// ‖Kx − b‖ over ‖diag(K) x‖ for b = K 1.
-    fn residual(&mut self, matrix: &LowerTriangle) -> f64 {
+    fn relative_residual(&mut self, matrix: &LowerTriangle) -> f64 {
         let n = matrix.columns.len() - 1;
         let b = matrix.multiplied(&vec![1.0; n]);
         let mut x = b.clone();
@@ -145,7 +145,7 @@ mod tests {
 
     /// A matrix of a clamped grid with entries of both signs, shifted along its diagonal.
     fn shifted(pattern: &Pattern, shift: f64) -> Vec<f64> {
-        let mut values: Vec<f64> = (0..pattern.entries()).map(|at| (1.7 * at as f64).sin()).collect();
+        let mut values: Vec<f64> = (0..pattern.entries()).map(|entry| (1.7 * entry as f64).sin()).collect();
         (0..pattern.dofs()).for_each(|column| values[pattern.columns[column] as usize] += shift);
         values
     }
@@ -154,9 +154,9 @@ mod tests {
         let n = matrix.columns.len() - 1;
         let mut full = DMatrix::zeros(n, n);
         for column in 0..n {
-            for at in matrix.columns[column] as usize..matrix.columns[column + 1] as usize {
-                let row = matrix.rows[at] as usize;
-                (full[(row, column)], full[(column, row)]) = (matrix.values[at], matrix.values[at]);
+            for entry in matrix.columns[column] as usize..matrix.columns[column + 1] as usize {
+                let row = matrix.rows[entry] as usize;
+                (full[(row, column)], full[(column, row)]) = (matrix.values[entry], matrix.values[entry]);
             }
         }
         full
@@ -175,7 +175,7 @@ mod tests {
             let eigenvalues = SymmetricEigen::new(dense(&matrix)).eigenvalues;
             assert_eq!(factor.negative_eigenvalues(), eigenvalues.iter().filter(|value| **value < 0.0).count());
             counts.push(factor.negative_eigenvalues());
-            let exact: Vec<f64> = (0..pattern.dofs()).map(|at| (at as f64).cos()).collect();
+            let exact: Vec<f64> = (0..pattern.dofs()).map(|dof| (dof as f64).cos()).collect();
             let mut x = matrix.multiplied(&exact);
             factor.solve(&mut x);
             assert!(x.iter().zip(&exact).all(|(x, exact)| (x - exact).abs() < 1e-10));

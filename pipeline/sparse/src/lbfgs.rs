@@ -32,9 +32,9 @@ impl LbfgsHistory {
     /// Appends a pair; a pair without positive curvature is discarded.
     pub fn push(&mut self, step: Vec<f64>, gradient_change: Vec<f64>) {
         let curvature = dot(&step, &gradient_change);
-        let least = 1e-10 * (dot(&step, &step) * dot(&gradient_change, &gradient_change)).sqrt();
+        let threshold = 1e-10 * (dot(&step, &step) * dot(&gradient_change, &gradient_change)).sqrt();
         // Without s · y > 0 the updated inverse would not stay positive definite, and its direction might ascend.
-        if curvature.is_nan() || curvature <= least {
+        if curvature.is_nan() || curvature <= threshold {
             return;
         }
         if self.pairs.len() == PAIRS {

@@ -60,5 +60,5 @@ pub fn add(sum: &mut [f64], scale: f64, part: &[f64]) {
 /// Largest absolute entry.
 #[inline]
 pub fn max_abs(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()))
+    x.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()))
 }

@@ -20,8 +20,8 @@ const CUTS: [f64; 7] = [0.5, 0.46, 0.54, 0.42, 0.58, 0.38, 0.62];
 /// `positions`: nodes, m. `active`: node numbers; other nodes of the graph are skipped.
 pub(crate) fn elimination_order(positions: &[Point3], graph: &NodeGraph, active: Vec<u32>) -> Vec<u32> {
     let mut dissection = Dissection { positions, graph, side: vec![OUTSIDE; graph.len()], order: Vec::new() };
-    dissection.split(active);
-    postordered(graph, dissection.order)
+    dissection.dissect_set(active);
+    tree_postorder(graph, dissection.order)
 }
 
 const OUTSIDE: u8 = 0;
@@ -36,26 +36,26 @@ struct Dissection<'a> {
 }
 
 impl Dissection<'_> {
-    fn split(&mut self, set: Vec<u32>) {
+    fn dissect_set(&mut self, set: Vec<u32>) {
         if set.len() <= SMALLEST {
             self.order.extend(set);
             return;
         }
-        let (sorted, at, take_before) = self.best(&set);
-        self.mark(&sorted, at);
-        let from = if take_before { BEFORE } else { BEHIND };
-        let (separator, rest): (Vec<u32>, Vec<u32>) =
-            sorted.iter().partition(|&&node| self.side[node as usize] == from && self.touches_other(node));
-        let (before, behind) = rest.into_iter().partition(|&node| self.side[node as usize] == BEFORE);
+        let (sorted, cut, take_first) = self.best_split(&set);
+        self.mark_sides(&sorted, cut);
+        let separator_side = if take_first { BEFORE } else { BEHIND };
+        let (separator, interior): (Vec<u32>, Vec<u32>) =
+            sorted.iter().partition(|&&node| self.side[node as usize] == separator_side && self.touches_other(node));
+        let (first_part, second_part) = interior.into_iter().partition(|&node| self.side[node as usize] == BEFORE);
         sorted.iter().for_each(|&node| self.side[node as usize] = OUTSIDE);
-        self.split(before);
-        self.split(behind);
+        self.dissect_set(first_part);
+        self.dissect_set(second_part);
         self.order.extend(separator);
     }
 
     /// The set sorted along the best axis, the number of nodes before the split, and whether the first side gives the
     /// separator.
-    fn best(&mut self, set: &[u32]) -> (Vec<u32>, usize, bool) {
+    fn best_split(&mut self, set: &[u32]) -> (Vec<u32>, usize, bool) {
         let mut best: Option<(usize, Vec<u32>, usize, bool)> = None;
         // Slender bodies are mostly split across their length, but not near ribs and sheets: all axes are compared.
         for axis in 0..3 {
@@ -63,35 +63,35 @@ impl Dissection<'_> {
             let key = |node: u32| self.positions[node as usize][axis];
             sorted.sort_unstable_by(|&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
             for part in CUTS {
-                let at = (part * set.len() as f64) as usize;
-                self.mark(&sorted, at);
-                let before = sorted[..at].iter().filter(|&&node| self.touches_other(node)).count();
-                let behind = sorted[at..].iter().filter(|&&node| self.touches_other(node)).count();
-                let least = before.min(behind);
-                if best.as_ref().is_none_or(|(size, ..)| least < *size) {
-                    best = Some((least, sorted.clone(), at, before <= behind));
+                let cut = (part * set.len() as f64) as usize;
+                self.mark_sides(&sorted, cut);
+                let first_boundary = sorted[..cut].iter().filter(|&&node| self.touches_other(node)).count();
+                let second_boundary = sorted[cut..].iter().filter(|&&node| self.touches_other(node)).count();
+                let separator_size = first_boundary.min(second_boundary);
+                if best.as_ref().is_none_or(|(size, ..)| separator_size < *size) {
+                    best = Some((separator_size, sorted.clone(), cut, first_boundary <= second_boundary));
                 }
             }
             sorted.iter().for_each(|&node| self.side[node as usize] = OUTSIDE);
         }
-        let (_, sorted, at, before) = best.expect("three axes were tried");
-        (sorted, at, before)
+        let (_, sorted, cut, take_first) = best.expect("three axes were tried");
+        (sorted, cut, take_first)
     }
 
-    fn mark(&mut self, sorted: &[u32], at: usize) {
-        sorted[..at].iter().for_each(|&node| self.side[node as usize] = BEFORE);
-        sorted[at..].iter().for_each(|&node| self.side[node as usize] = BEHIND);
+    fn mark_sides(&mut self, sorted: &[u32], cut: usize) {
+        sorted[..cut].iter().for_each(|&node| self.side[node as usize] = BEFORE);
+        sorted[cut..].iter().for_each(|&node| self.side[node as usize] = BEHIND);
     }
 
     fn touches_other(&self, node: u32) -> bool {
-        let other = BEFORE + BEHIND - self.side[node as usize];
-        self.graph.of(node).iter().any(|&next| self.side[next as usize] == other)
+        let opposite = BEFORE + BEHIND - self.side[node as usize];
+        self.graph.of(node).iter().any(|&next| self.side[next as usize] == opposite)
     }
 }
 
 /// The same elimination with the columns of every subtree consecutive.
 // Postorder changes no fill; it lets the factorisation find supernodes and keeps columns near where they are used.
-fn postordered(graph: &NodeGraph, order: Vec<u32>) -> Vec<u32> {
+fn tree_postorder(graph: &NodeGraph, order: Vec<u32>) -> Vec<u32> {
     let parents = elimination_tree(graph, &order);
     let mut children = vec![Vec::new(); order.len()];
     let mut stack = Vec::new();

@@ -33,23 +33,24 @@ impl NnlsColumns {
         self.values.par_chunks_exact_mut(self.rows)
     }
 
-    fn column(&self, at: usize) -> &[f32] {
-        &self.values[at * self.rows..(at + 1) * self.rows]
+    fn column(&self, index: usize) -> &[f32] {
+        &self.values[index * self.rows..(index + 1) * self.rows]
     }
 
     /// The `count` columns with the smallest angle to `residual`, among those not `taken`; fewer when fewer have an
     /// acute one.
-    fn nearest(&self, residual: &[f32], lengths: &[f32], taken: &[bool], count: usize) -> Vec<usize> {
-        let along = |(at, column): (usize, &[f32])| (inner(column, residual) / lengths[at], at);
-        let all = self.values.par_chunks_exact(self.rows).enumerate().filter(|(at, _)| !taken[*at]).map(along);
-        let mut found: Vec<(f32, usize)> = all.filter(|(along, _)| *along > 0.0).collect();
-        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        found.into_iter().take(count).map(|(_, at)| at).collect()
+    fn nearest_columns(&self, residual: &[f32], lengths: &[f32], taken: &[bool], count: usize) -> Vec<usize> {
+        let projection = |(index, column): (usize, &[f32])| (inner_product(column, residual) / lengths[index], index);
+        let scored =
+            self.values.par_chunks_exact(self.rows).enumerate().filter(|(index, _)| !taken[*index]).map(projection);
+        let mut acute: Vec<(f32, usize)> = scored.filter(|(projection, _)| *projection > 0.0).collect();
+        acute.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        acute.into_iter().take(count).map(|(_, index)| index).collect()
     }
 }
 
 /// Inner product in sixteen partial sums, so that it vectorises; always in the same order.
-fn inner(a: &[f32], b: &[f32]) -> f32 {
+fn inner_product(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0.0_f32; 16];
     let (a, b) = (a.chunks_exact(16), b.chunks_exact(16));
     let remainder: f32 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
@@ -62,19 +63,19 @@ fn inner(a: &[f32], b: &[f32]) -> f32 {
 /// Columns (by number) and weights > 0 whose sum is within `tolerance` of the `target` (one entry a row), relative.
 pub fn nnls(columns: &mut NnlsColumns, target: &[f64], tolerance: f64) -> Vec<(usize, f64)> {
     let target = DVector::from_column_slice(target);
-    let lengths: Vec<f32> = columns.each().map(|c| inner(c, c).sqrt().max(f32::MIN_POSITIVE)).collect();
+    let lengths: Vec<f32> = columns.each().map(|c| inner_product(c, c).sqrt().max(f32::MIN_POSITIVE)).collect();
     let mut taken = vec![false; lengths.len()];
     let mut set = ActiveSet::new(&target);
     let enough = tolerance * target.norm();
     while set.residual.norm() > enough && set.numbers.len() < columns.rows.min(lengths.len()) {
         let residual: Vec<f32> = set.residual.iter().map(|x| *x as f32).collect();
-        let found = columns.nearest(&residual, &lengths, &taken, 1 + set.numbers.len() / GROWTH);
-        if found.is_empty() {
+        let entering = columns.nearest_columns(&residual, &lengths, &taken, 1 + set.numbers.len() / GROWTH);
+        if entering.is_empty() {
             break;
         }
-        found.iter().for_each(|next| taken[*next] = true);
-        set.extend(&found, columns);
-        set.solve();
+        entering.iter().for_each(|next| taken[*next] = true);
+        set.add_columns(&entering, columns);
+        set.update_weights();
     }
     set.numbers.iter().copied().zip(set.weights.iter().copied()).collect()
 }
@@ -87,43 +88,53 @@ struct ActiveSet<'a> {
     /// Products of the columns.
     products: DMatrix<f64>,
     /// Products of each with the target.
-    along: Vec<f64>,
+    target_products: Vec<f64>,
     weights: Vec<f64>,
     residual: DVector<f64>,
 }
 
 impl<'a> ActiveSet<'a> {
     fn new(target: &'a DVector<f64>) -> Self {
-        let (numbers, columns, along, weights) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { target, numbers, columns, products: DMatrix::zeros(0, 0), along, weights, residual: target.clone() }
+        let (numbers, columns, target_products, weights) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self {
+            target,
+            numbers,
+            columns,
+            products: DMatrix::zeros(0, 0),
+            target_products,
+            weights,
+            residual: target.clone(),
+        }
     }
 
     /// Adds columns with zero weights.
-    fn extend(&mut self, numbers: &[usize], all: &NnlsColumns) {
-        let before = self.columns.len();
+    fn add_columns(&mut self, numbers: &[usize], source: &NnlsColumns) {
+        let start = self.columns.len();
         self.columns.extend(
-            numbers.iter().map(|&at| DVector::from_iterator(all.rows, all.column(at).iter().map(|x| f64::from(*x)))),
+            numbers
+                .iter()
+                .map(|&index| DVector::from_iterator(source.rows, source.column(index).iter().map(|x| f64::from(*x)))),
         );
         let count = self.columns.len();
         let columns = &self.columns;
-        let products: Vec<Vec<f64>> = (before..count)
+        let products: Vec<Vec<f64>> = (start..count)
             .into_par_iter()
-            .map(|new| columns[..=new].iter().map(|other| other.dot(&columns[new])).collect())
+            .map(|new| columns[..=new].iter().map(|column| column.dot(&columns[new])).collect())
             .collect();
         self.products.resize_mut(count, count, 0.0);
-        for (new, with_others) in (before..count).zip(&products) {
-            for (other, product) in with_others.iter().enumerate() {
-                (self.products[(other, new)], self.products[(new, other)]) = (*product, *product);
+        for (new, column_products) in (start..count).zip(&products) {
+            for (row, product) in column_products.iter().enumerate() {
+                (self.products[(row, new)], self.products[(new, row)]) = (*product, *product);
             }
         }
-        self.along.extend(columns[before..].iter().map(|column| column.dot(self.target)));
+        self.target_products.extend(columns[start..].iter().map(|column| column.dot(self.target)));
         self.numbers.extend(numbers);
         self.weights.resize(count, 0.0);
     }
 
     /// Least squares over the active columns, without those whose weights would not be positive.
     // Removing only those that reach zero first, as in [lawson1974], asks for a factor of the products for each.
-    fn solve(&mut self) {
+    fn update_weights(&mut self) {
         while let Some(goal) = self.least_squares() {
             self.weights = goal.as_slice().to_vec();
             if goal.iter().all(|w| *w > 0.0) {
@@ -142,31 +153,31 @@ impl<'a> ActiveSet<'a> {
         let mut products = self.products.clone();
         let ridge = 1e-13 * products.diagonal().max();
         products.diagonal().iter().enumerate().for_each(|(i, d)| products[(i, i)] = d + ridge);
-        solved(products, DVector::from_column_slice(&self.along))
+        solve_cholesky(products, DVector::from_column_slice(&self.target_products))
     }
 
     /// Removes columns whose weights are not positive.
     fn keep_positive(&mut self) {
         let positive: Vec<bool> = self.weights.iter().map(|w| *w > 0.0).collect();
-        let kept: Vec<usize> = (0..positive.len()).filter(|i| positive[*i]).collect();
-        self.products = self.products.select_rows(&kept).select_columns(&kept);
-        retain(&mut self.along, &positive);
-        retain(&mut self.numbers, &positive);
-        retain(&mut self.weights, &positive);
-        retain(&mut self.columns, &positive);
+        let indices: Vec<usize> = (0..positive.len()).filter(|i| positive[*i]).collect();
+        self.products = self.products.select_rows(&indices).select_columns(&indices);
+        retain_masked(&mut self.target_products, &positive);
+        retain_masked(&mut self.numbers, &positive);
+        retain_masked(&mut self.weights, &positive);
+        retain_masked(&mut self.columns, &positive);
     }
 }
 
-/// Keeps the entries that are `kept`.
-fn retain<T>(entries: &mut Vec<T>, kept: &[bool]) {
-    let mut each = kept.iter();
-    entries.retain(|_| each.next().is_some_and(|kept| *kept));
+/// Keeps the entries whose `mask` is true.
+fn retain_masked<T>(entries: &mut Vec<T>, mask: &[bool]) {
+    let mut flags = mask.iter();
+    entries.retain(|_| flags.next().is_some_and(|flag| *flag));
 }
 
 /// A⁻¹ b for a symmetric A by its Cholesky factor; none where A is not positive definite.
 // On one thread, so that the result does not depend on the number of threads.
 #[allow(non_snake_case)]
-fn solved(mut A: DMatrix<f64>, mut b: DVector<f64>) -> Option<DVector<f64>> {
+fn solve_cholesky(mut A: DMatrix<f64>, mut b: DVector<f64>) -> Option<DVector<f64>> {
     let n = b.len();
     let mut workspace = MemBuffer::new(factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
     let workspace = MemStack::new(&mut workspace);
@@ -193,11 +204,12 @@ mod tests {
         for column in columns.values.chunks_exact(rows) {
             target.iter_mut().zip(column).for_each(|(sum, value)| *sum += f64::from(*value));
         }
-        let found = nnls(&mut columns, &target, 1e-6);
-        assert!(found.len() <= rows && found.iter().all(|(_, weight)| *weight > 0.0), "{found:?}");
+        let selected = nnls(&mut columns, &target, 1e-6);
+        assert!(selected.len() <= rows && selected.iter().all(|(_, weight)| *weight > 0.0), "{selected:?}");
         for (row, sum) in target.iter().enumerate() {
-            let met: f64 = found.iter().map(|(at, weight)| weight * f64::from(columns.column(*at)[row])).sum();
-            assert!((met - sum).abs() < 2e-6, "row {row}: {met} for {sum}");
+            let reproduced: f64 =
+                selected.iter().map(|(index, weight)| weight * f64::from(columns.column(*index)[row])).sum();
+            assert!((reproduced - sum).abs() < 2e-6, "row {row}: {reproduced} for {sum}");
         }
     }
 }

@@ -12,17 +12,17 @@ pub struct NodeGraph {
 impl NodeGraph {
     /// From the elements between `nodes` nodes: the nodes of one element after those of the other, `each` of them.
     pub fn new(nodes: usize, elements: &[u32], each: usize) -> Self {
-        let at = elements_at(nodes, elements, each);
+        let incidence = elements_at(nodes, elements, each);
         let mut graph = Self { start: vec![0], neighbours: Vec::new() };
-        let mut around: Vec<u32> = Vec::new();
+        let mut adjacent: Vec<u32> = Vec::new();
         for node in 0..nodes {
-            around.clear();
-            for &element in &at.neighbours[at.start[node]..at.start[node + 1]] {
-                around.extend_from_slice(&elements[each * element as usize..each * (element as usize + 1)]);
+            adjacent.clear();
+            for &element in &incidence.neighbours[incidence.start[node]..incidence.start[node + 1]] {
+                adjacent.extend_from_slice(&elements[each * element as usize..each * (element as usize + 1)]);
             }
-            around.sort_unstable();
-            around.dedup();
-            graph.neighbours.extend(around.iter().filter(|&&other| other as usize != node));
+            adjacent.sort_unstable();
+            adjacent.dedup();
+            graph.neighbours.extend(adjacent.iter().filter(|&&neighbour| neighbour as usize != node));
             graph.start.push(graph.neighbours.len());
         }
         graph
@@ -37,11 +37,11 @@ impl NodeGraph {
         }
         let mut graph = Self { start: vec![0], neighbours: Vec::new() };
         for node in 0..self.len() as u32 {
-            let mut around = self.of(node).to_vec();
-            around.extend(added.get(&node).into_iter().flatten());
-            around.sort_unstable();
-            around.dedup();
-            graph.neighbours.extend(around);
+            let mut adjacent = self.of(node).to_vec();
+            adjacent.extend(added.get(&node).into_iter().flatten());
+            adjacent.sort_unstable();
+            adjacent.dedup();
+            graph.neighbours.extend(adjacent);
             graph.start.push(graph.neighbours.len());
         }
         graph

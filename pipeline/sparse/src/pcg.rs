@@ -30,18 +30,18 @@ pub fn conjugate_gradients(
     let mut residual = b.to_vec();
     let mut direction: Vec<f64> = Vec::new();
     let mut image = vec![0.0; b.len()];
-    let mut before = 1.0;
+    let mut previous_product = 1.0;
     for iteration in 0..=options.max_iterations {
         if dot(&residual, &residual).sqrt() <= goal {
             return Some((x, iteration));
         }
         let mut preconditioned = residual.clone();
         precondition(&mut preconditioned);
-        let now = dot(&residual, &preconditioned);
+        let product = dot(&residual, &preconditioned);
         if direction.is_empty() {
             direction = preconditioned;
         } else {
-            direction.iter_mut().zip(&preconditioned).for_each(|(d, z)| *d = z + now / before * *d);
+            direction.iter_mut().zip(&preconditioned).for_each(|(d, z)| *d = z + product / previous_product * *d);
         }
         multiply(&direction, &mut image);
         let curvature = dot(&direction, &image);
@@ -50,10 +50,10 @@ pub fn conjugate_gradients(
         if curvature.is_nan() || curvature <= 0.0 {
             return None;
         }
-        let step = now / curvature;
+        let step = product / curvature;
         x.iter_mut().zip(&direction).for_each(|(x, d)| *x += step * d);
         residual.iter_mut().zip(&image).for_each(|(r, q)| *r -= step * q);
-        before = now;
+        previous_product = product;
     }
     None
 }
@@ -71,7 +71,7 @@ mod tests {
         let n = pattern.dofs();
         let mut values = vec![-0.1; pattern.entries()];
         (0..n).for_each(|column| values[pattern.columns[column] as usize] = 9.0 + (column % 5) as f64);
-        let exact: Vec<f64> = (0..n).map(|at| (at as f64).sin()).collect();
+        let exact: Vec<f64> = (0..n).map(|entry| (entry as f64).sin()).collect();
         let mut b = vec![0.0; n];
         pattern.multiply(&values, &exact, &mut b);
         let rough = |x: &mut [f64]| x.iter_mut().for_each(|x| *x /= 10.0);

@@ -28,20 +28,20 @@ impl LowerTriangle<'_> {
     /// K x, in elimination order.
     pub(crate) fn multiplied(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
-        multiply(self, x, &mut y);
+        multiply_symmetric(self, x, &mut y);
         y
     }
 }
 
 /// y = K x, both in elimination order.
-fn multiply(matrix: &LowerTriangle, x: &[f64], y: &mut [f64]) {
+fn multiply_symmetric(matrix: &LowerTriangle, x: &[f64], y: &mut [f64]) {
     y.fill(0.0);
     for column in 0..x.len() {
-        let (from, to) = (matrix.columns[column] as usize, matrix.columns[column + 1] as usize);
-        let own = x[column];
-        let mut sum = matrix.values[from] * own;
-        for (&row, &value) in matrix.rows[from + 1..to].iter().zip(&matrix.values[from + 1..to]) {
-            y[row as usize] += value * own;
+        let (start, end) = (matrix.columns[column] as usize, matrix.columns[column + 1] as usize);
+        let x_column = x[column];
+        let mut sum = matrix.values[start] * x_column;
+        for (&row, &value) in matrix.rows[start + 1..end].iter().zip(&matrix.values[start + 1..end]) {
+            y[row as usize] += value * x_column;
             sum += value * x[row as usize];
         }
         y[column] += sum;
@@ -95,10 +95,10 @@ impl Pattern {
 
     /// Appends the columns of one node: the node itself first, then its neighbours that are eliminated later.
     fn add_columns(&mut self, node: u32, graph: &NodeGraph, order: &[u32]) {
-        let own = self.rank[node as usize];
+        let node_rank = self.rank[node as usize];
         let mut later: Vec<u32> = graph.of(node).iter().map(|&next| self.rank[next as usize]).collect();
-        later.retain(|&rank| rank != CONSTRAINED && rank > own);
-        later.push(own);
+        later.retain(|&rank| rank != CONSTRAINED && rank > node_rank);
+        later.push(node_rank);
         later.sort_unstable();
         let mut block_rows = Vec::new();
         for rank in later {
@@ -127,16 +127,16 @@ impl Pattern {
     /// Position of the block of nodes `a` and `b`: [`CONSTRAINED`] when one has no dof, `None` when they share no
     /// element.
     pub fn block_position(&self, a: u32, b: u32) -> Option<u32> {
-        let (low, high) = self.ranks(a, b);
+        let (low, high) = self.sorted_ranks(a, b);
         if high == CONSTRAINED {
             return Some(CONSTRAINED);
         }
-        let (from, to) = (self.node_columns[low as usize] as usize, self.node_columns[low as usize + 1] as usize);
-        let found = self.node_rows[from..to].binary_search(&high).ok()?;
-        Some(self.node_offsets[from + found])
+        let (start, end) = (self.node_columns[low as usize] as usize, self.node_columns[low as usize + 1] as usize);
+        let offset = self.node_rows[start..end].binary_search(&high).ok()?;
+        Some(self.node_offsets[start + offset])
     }
 
-    fn ranks(&self, a: u32, b: u32) -> (u32, u32) {
+    fn sorted_ranks(&self, a: u32, b: u32) -> (u32, u32) {
         let (a, b) = (self.rank[a as usize], self.rank[b as usize]);
         (a.min(b), a.max(b))
     }
@@ -151,7 +151,7 @@ impl Pattern {
         let (row_node, column_node) = if transposed { (b, a) } else { (a, b) };
         let rows = &self.dof[row_node as usize];
         let columns = &self.dof[column_node as usize];
-        let (first_row, first_column) = (first(rows), first(columns));
+        let (first_row, first_column) = (first_dof(rows), first_dof(columns));
         for k in 0..3 {
             if columns[k] == CONSTRAINED {
                 continue;
@@ -169,7 +169,7 @@ impl Pattern {
 
     /// y = K x for the symmetric matrix whose lower triangle is `values`; both in elimination order.
     pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
-        multiply(&self.lower_triangle(values), x, y);
+        multiply_symmetric(&self.lower_triangle(values), x, y);
     }
 
     /// The entries `values` with their pattern.
@@ -186,18 +186,18 @@ impl Pattern {
 
     /// The free entries of a vector with 3 entries per node, in elimination order.
     pub fn gather(&self, full: &[f64]) -> Vec<f64> {
-        self.full_index.iter().map(|&at| full[at as usize]).collect()
+        self.full_index.iter().map(|&index| full[index as usize]).collect()
     }
 
     /// Adds `scale` times the free entries to a vector with 3 entries per node; the counterpart of [`Pattern::gather`].
     pub fn scatter(&self, free: &[f64], scale: f64, full: &mut [f64]) {
-        for (&at, value) in self.full_index.iter().zip(free) {
-            full[at as usize] += scale * value;
+        for (&index, value) in self.full_index.iter().zip(free) {
+            full[index as usize] += scale * value;
         }
     }
 }
 
-fn first(dof: &[u32; 3]) -> u32 {
+fn first_dof(dof: &[u32; 3]) -> u32 {
     dof[0].min(dof[1]).min(dof[2])
 }
 
@@ -236,9 +236,9 @@ mod tests {
                 let (row, column) = (pattern.dof[a as usize][i], pattern.dof[b as usize][k]);
                 if row != CONSTRAINED && column != CONSTRAINED {
                     let (row, column) = (row.max(column), row.min(column) as usize);
-                    let (from, to) = (pattern.columns[column] as usize, pattern.columns[column + 1] as usize);
-                    let found = pattern.rows[from..to].binary_search(&row).unwrap();
-                    assert_eq!(values[from + found], block[(i, k)]);
+                    let (start, end) = (pattern.columns[column] as usize, pattern.columns[column + 1] as usize);
+                    let offset = pattern.rows[start..end].binary_search(&row).unwrap();
+                    assert_eq!(values[start + offset], block[(i, k)]);
                 }
             }
         }

@@ -14,11 +14,11 @@ impl Grid {
     /// `cells` of unit size along each axis.
     pub fn new(cells: [u32; 3]) -> Self {
         let [nx, ny, nz] = cells.map(|count| count + 1);
-        let place = |n: u32| [n / (ny * nz), n / nz % ny, n % nz].map(f64::from);
+        let position = |n: u32| [n / (ny * nz), n / nz % ny, n % nz].map(f64::from);
         let corner = |[x, y, z]: [u32; 3], k: u32| (x + k / 4) * ny * nz + (y + k / 2 % 2) * nz + z + k % 2;
         let cell = |n: u32| [n / (cells[1] * cells[2]), n / cells[2] % cells[1], n % cells[2]];
         let elements = (0..cells.iter().product()).map(|n| std::array::from_fn(|k| corner(cell(n), k as u32)));
-        Self { nodes: (0..nx * ny * nz).map(place).collect(), elements: elements.collect() }
+        Self { nodes: (0..nx * ny * nz).map(position).collect(), elements: elements.collect() }
     }
 
     pub fn graph(&self) -> NodeGraph {
@@ -27,6 +27,6 @@ impl Grid {
 
     /// The axes of each node when the nodes at x = 0 are constrained.
     pub fn first_layer_constrained(&self) -> Vec<[bool; 3]> {
-        self.nodes.iter().map(|at| [at[0] == 0.0; 3]).collect()
+        self.nodes.iter().map(|position| [position[0] == 0.0; 3]).collect()
     }
 }

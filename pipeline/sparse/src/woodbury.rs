@@ -45,8 +45,8 @@ impl RankOneUpdates {
         if self.solved.is_empty() {
             return;
         }
-        let along = DVector::from_iterator(self.terms.len(), self.terms.iter().map(|(_, v)| dot(v, y)));
-        let parts = &self.inner * along;
+        let products = DVector::from_iterator(self.terms.len(), self.terms.iter().map(|(_, v)| dot(v, y)));
+        let parts = &self.inner * products;
         for (z, part) in self.solved.iter().zip(parts.iter()) {
             y.iter_mut().zip(z).for_each(|(y, z)| *y -= part * z);
         }
@@ -70,13 +70,13 @@ mod tests {
         let diagonal = [2.0, 3.0, 5.0, 7.0];
         let terms = vec![(1.5, vec![1.0, -1.0, 0.5, 2.0]), (0.2, vec![0.0, 4.0, 1.0, -3.0])];
         let solve = |x: &mut [f64]| x.iter_mut().zip(diagonal).for_each(|(x, d)| *x /= d);
-        let mut whole = RankOneUpdates::new(terms);
-        assert!(whole.prepare(solve));
+        let mut updates = RankOneUpdates::new(terms);
+        assert!(updates.prepare(solve));
         let exact = [0.3, -1.0, 2.0, 0.7];
         let mut b: Vec<f64> = exact.iter().zip(diagonal).map(|(x, d)| d * x).collect();
-        whole.multiply(&exact, &mut b);
+        updates.multiply(&exact, &mut b);
         solve(&mut b);
-        whole.correct(&mut b);
+        updates.correct(&mut b);
         assert!(b.iter().zip(exact).all(|(x, exact)| (x - exact).abs() < 1e-13), "{b:?}");
     }
 }

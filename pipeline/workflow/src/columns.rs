@@ -74,7 +74,7 @@ impl Columns {
     /// # Errors
     /// [`ColumnsError::Missing`] when there is no such column of numbers.
     pub fn f64(&self, name: &str) -> Result<Vec<f64>, ColumnsError> {
-        match self.cells(name)? {
+        match self.column_cells(name)? {
             Cells::Numbers(values) => Ok(values.clone()),
             _ => Err(ColumnsError::Missing(name.into())),
         }
@@ -85,7 +85,7 @@ impl Columns {
     /// # Errors
     /// [`ColumnsError::Missing`] when there is no such column of whole numbers.
     pub fn u32(&self, name: &str) -> Result<Vec<u32>, ColumnsError> {
-        match self.cells(name)? {
+        match self.column_cells(name)? {
             Cells::Counts(values) => Ok(values.clone()),
             _ => Err(ColumnsError::Missing(name.into())),
         }
@@ -96,15 +96,15 @@ impl Columns {
     /// # Errors
     /// [`ColumnsError::Missing`] when there is no such column of words.
     pub fn text(&self, name: &str) -> Result<Vec<String>, ColumnsError> {
-        match self.cells(name)? {
+        match self.column_cells(name)? {
             Cells::Words(values) => Ok(values.clone()),
             _ => Err(ColumnsError::Missing(name.into())),
         }
     }
 
-    fn cells(&self, name: &str) -> Result<&Cells, ColumnsError> {
-        let found = self.columns.iter().find(|(n, _)| n == name);
-        found.map(|(_, cells)| cells).ok_or_else(|| ColumnsError::Missing(name.into()))
+    fn column_cells(&self, name: &str) -> Result<&Cells, ColumnsError> {
+        let column = self.columns.iter().find(|(n, _)| n == name);
+        column.map(|(_, cells)| cells).ok_or_else(|| ColumnsError::Missing(name.into()))
     }
 
     /// The table as the bytes of a Parquet file; the same table gives the same bytes.
@@ -113,11 +113,11 @@ impl Columns {
     /// [`ColumnsError::Format`] when columns differ in length.
     pub fn to_parquet(&self) -> Result<Vec<u8>, ColumnsError> {
         let height = self.columns.first().map_or(0, |(_, cells)| cells.len());
-        let columns = self.columns.iter().map(|(name, cells)| cells.column(name)).collect();
-        let mut frame = DataFrame::new(height, columns).map_err(format)?;
+        let columns = self.columns.iter().map(|(name, cells)| cells.to_column(name)).collect();
+        let mut frame = DataFrame::new(height, columns).map_err(format_error)?;
         let mut bytes = Vec::new();
         let writer = ParquetWriter::new(&mut bytes).with_compression(ParquetCompression::Uncompressed);
-        writer.set_parallel(false).finish(&mut frame).map_err(format)?;
+        writer.set_parallel(false).finish(&mut frame).map_err(format_error)?;
         Ok(bytes)
     }
 
@@ -126,7 +126,7 @@ impl Columns {
     /// # Errors
     /// [`ColumnsError::Format`] when the bytes are not Parquet or hold another type of column, [`ColumnsError::Empty`] when a cell has no value.
     pub fn from_parquet(bytes: &[u8]) -> Result<Self, ColumnsError> {
-        let frame = ParquetReader::new(Cursor::new(bytes)).finish().map_err(format)?;
+        let frame = ParquetReader::new(Cursor::new(bytes)).finish().map_err(format_error)?;
         let columns = frame.columns().iter().map(|c| Ok((c.name().to_string(), Cells::of(c)?)));
         Ok(Self { columns: columns.collect::<Result<_, ColumnsError>>()? })
     }
@@ -141,7 +141,7 @@ impl Cells {
         }
     }
 
-    fn column(&self, name: &str) -> Column {
+    fn to_column(&self, name: &str) -> Column {
         match self {
             Cells::Numbers(v) => Series::new(name.into(), v).into(),
             Cells::Counts(v) => Series::new(name.into(), v).into(),
@@ -155,14 +155,14 @@ impl Cells {
             return Err(ColumnsError::Empty(column.name().to_string(), column.null_count()));
         }
         Ok(match column.dtype() {
-            DataType::Float64 => Cells::Numbers(column.f64().map_err(format)?.iter().flatten().collect()),
-            DataType::UInt32 => Cells::Counts(column.u32().map_err(format)?.iter().flatten().collect()),
-            _ => Cells::Words(column.str().map_err(format)?.iter().flatten().map(str::to_owned).collect()),
+            DataType::Float64 => Cells::Numbers(column.f64().map_err(format_error)?.iter().flatten().collect()),
+            DataType::UInt32 => Cells::Counts(column.u32().map_err(format_error)?.iter().flatten().collect()),
+            _ => Cells::Words(column.str().map_err(format_error)?.iter().flatten().map(str::to_owned).collect()),
         })
     }
 }
 
-fn format(error: polars::prelude::PolarsError) -> ColumnsError {
+fn format_error(error: polars::prelude::PolarsError) -> ColumnsError {
     ColumnsError::Format(error.to_string())
 }
 

@@ -96,24 +96,24 @@ pub const fn stage<S: Stage>() -> Entry<UniverseOf<S>> {
         subjects: |universe| subjects_of::<S>(universe).iter().map(Subject::name).collect(),
         planned: |universe, settings| {
             let section = settings.section::<S::Settings>(S::SECTION).and_then(|section| as_json(&section));
-            let of_one = |of: &<S::Makes as Record>::Of| {
-                let card = card(as_json(&S::Card::part_of(of))?, S::Needs::parts(of));
-                Ok(Inputs { raw: S::raw(of), card, settings: section.clone()?, records: S::Needs::ids(of) })
+            let of_one = |subject: &<S::Makes as Record>::Of| {
+                let card = card_part(as_json(&S::Card::part_of(subject))?, S::Needs::parts(subject));
+                Ok(Inputs { raw: S::raw(subject), card, settings: section.clone()?, records: S::Needs::ids(subject) })
             };
-            subjects_of::<S>(universe).iter().map(|of| (of.name(), of_one(of))).collect()
+            subjects_of::<S>(universe).iter().map(|subject| (subject.name(), of_one(subject))).collect()
         },
         reads: |universe| {
-            let all = subjects_of::<S>(universe);
+            let subjects = subjects_of::<S>(universe);
             Reads {
-                raw: all.iter().flat_map(S::raw).map(|file| file.name).collect(),
-                stages: all.iter().flat_map(S::Needs::ids).map(|id| id.stage).collect(),
+                raw: subjects.iter().flat_map(S::raw).map(|file| file.name).collect(),
+                stages: subjects.iter().flat_map(S::Needs::ids).map(|id| id.stage).collect(),
             }
         },
         make: |universe, name, settings, reader, context| {
-            let of = find(subjects_of::<S>(universe), name)?;
-            let needs = S::Needs::read(&of, reader)?;
-            let record = S::run(&S::Card::part_of(&of), &settings.section(S::SECTION)?, needs, context)?;
-            let files = record.pack().map_err(unwritable)?;
+            let subject = find_subject(subjects_of::<S>(universe), name)?;
+            let needs = S::Needs::read(&subject, reader)?;
+            let record = S::run(&S::Card::part_of(&subject), &settings.section(S::SECTION)?, needs, context)?;
+            let files = record.pack().map_err(pack_error)?;
             Ok(Product { files, metrics: record.metrics(name), summary: record.summary() })
         },
     }
@@ -129,10 +129,10 @@ pub const fn figure<F: Figure>() -> Entry<F::Of> {
         version: F::VERSION,
         subjects: |universe| figure_subject::<F>(universe).into_iter().collect(),
         planned: |universe, _| {
-            let of_one = |name| (name, Ok(shown::<F::Of, F::Needs>(universe)));
+            let of_one = |name| (name, Ok(exhibit_inputs::<F::Of, F::Needs>(universe)));
             figure_subject::<F>(universe).into_iter().map(of_one).collect()
         },
-        reads: |universe| shown_reads(F::Needs::ids(universe)),
+        reads: |universe| exhibit_reads(F::Needs::ids(universe)),
         make: |universe, _, _, reader, _| {
             let svg = F::draw(F::Needs::read(universe, reader)?)?.svg()?;
             let summary = format!("{} KiB", svg.len().div_ceil(1024));
@@ -152,20 +152,20 @@ pub const fn table<T: Table>() -> Entry<T::Of> {
         version: T::VERSION,
         subjects: |universe| table_subject::<T>(universe).into_iter().collect(),
         planned: |universe, _| {
-            let of_one = |name| (name, Ok(shown::<T::Of, T::Needs>(universe)));
+            let of_one = |name| (name, Ok(exhibit_inputs::<T::Of, T::Needs>(universe)));
             table_subject::<T>(universe).into_iter().map(of_one).collect()
         },
-        reads: |universe| shown_reads(T::Needs::ids(universe)),
+        reads: |universe| exhibit_reads(T::Needs::ids(universe)),
         make: |universe, _, _, reader, _| {
             let table = T::fill(T::Needs::read(universe, reader)?)?;
-            let files = printed(T::NAME, &table)?;
+            let files = table_files(T::NAME, &table)?;
             Ok(Product { files, metrics: Vec::new(), summary: format!("{} rows", table.rows.len()) })
         },
     }
 }
 
 /// A table as CSV, LaTeX and SVG.
-fn printed(name: &str, table: &plot::Table) -> Result<RecordFiles> {
+fn table_files(name: &str, table: &plot::Table) -> Result<RecordFiles> {
     let (csv, tex, svg) = (table.csv(), table.latex(), table.svg()?);
     let untimed = table.without_durations().map(|untimed| untimed.csv().into_bytes());
     Ok([("csv", csv), ("tex", tex), ("svg", svg)].into_iter().fold(RecordFiles::default(), |files, (ending, text)| {
@@ -190,22 +190,22 @@ fn subjects_of<S: Stage>(universe: &UniverseOf<S>) -> Vec<<S::Makes as Record>::
     <S::Makes as Record>::Of::all(universe).into_iter().filter(S::Makes::is_made_for).collect()
 }
 
-fn find<Of: Subject>(all: Vec<Of>, name: &str) -> Result<Of> {
-    all.into_iter().find(|of| of.name() == name).ok_or_else(|| {
+fn find_subject<Of: Subject>(subjects: Vec<Of>, name: &str) -> Result<Of> {
+    subjects.into_iter().find(|subject| subject.name() == name).ok_or_else(|| {
         Diagnostic::new(format!("there is no `{name}`"), "no card names it", "study plan lists the subjects")
     })
 }
 
 /// The card's part of a key: what the entry reads itself, and what its needs read of their subjects.
-fn card(own: Value, of_needs: Value) -> Value {
-    if of_needs.is_null() { own } else { json!({ "own": own, "needs": of_needs }) }
+fn card_part(own_part: Value, needs_part: Value) -> Value {
+    if needs_part.is_null() { own_part } else { json!({ "own": own_part, "needs": needs_part }) }
 }
 
-fn shown<U, N: Needs<U>>(universe: &U) -> Inputs {
+fn exhibit_inputs<U, N: Needs<U>>(universe: &U) -> Inputs {
     Inputs { raw: Vec::new(), card: N::parts(universe), settings: Value::Null, records: N::ids(universe) }
 }
 
-fn shown_reads(records: Vec<RecordId>) -> Reads {
+fn exhibit_reads(records: Vec<RecordId>) -> Reads {
     Reads { raw: BTreeSet::new(), stages: records.into_iter().map(|id| id.stage).collect() }
 }
 
@@ -213,7 +213,7 @@ fn as_json(value: &impl Serialize) -> Result<Value> {
     Ok(serde_json::to_value(value)?)
 }
 
-fn unwritable(error: RecordError) -> Diagnostic {
+fn pack_error(error: RecordError) -> Diagnostic {
     let action = "report it: a stage made a table with columns of different lengths";
     Diagnostic::new("the record cannot be written", &error, action).caused_by(error)
 }

@@ -46,18 +46,18 @@ impl ExportedFile {
 /// A [`Diagnostic`] before anything is written when the folder holds other files, or an earlier export that was edited; or when a file
 /// cannot be read or written.
 pub fn write(folder: &Path, files: &[ExportedFile]) -> Result<Vec<PathBuf>> {
-    let earlier = list(folder)?;
+    let earlier = read_list(folder)?;
     if earlier.is_none() {
         refuse_foreign_files(folder)?;
     }
     let earlier = earlier.unwrap_or_default();
-    let is_edited = |file: &&ExportedFile| edited(folder, &file.path, &earlier);
+    let is_edited = |file: &&ExportedFile| was_edited(folder, &file.path, &earlier);
     let (kept_templates, edited): (Vec<_>, Vec<_>) = files.iter().filter(is_edited).partition(|file| file.is_template);
     if let Some(first) = edited.first() {
         return Err(edited_file(&folder.join(&first.path), earlier.contains_key(&first.path)));
     }
     let written: Vec<&ExportedFile> = files.iter().filter(|file| !kept_templates.contains(file)).collect();
-    let hashes = |file: &&ExportedFile| (file.path.clone(), BTreeSet::from([hash(&file.content)]));
+    let hashes = |file: &&ExportedFile| (file.path.clone(), BTreeSet::from([content_hash(&file.content)]));
     let mut later: List = written.iter().map(hashes).collect();
     for file in &kept_templates {
         later.extend(earlier.get_key_value(&file.path).map(|(path, hashes)| (path.clone(), hashes.clone())));
@@ -81,22 +81,22 @@ pub fn write(folder: &Path, files: &[ExportedFile]) -> Result<Vec<PathBuf>> {
 /// A [`Diagnostic`] when the path is no text: neither JSON nor TOML could hold it.
 pub fn path_as_text(path: &Path) -> Result<String> {
     path.to_str().map(str::to_owned).ok_or_else(|| {
-        let what = format!("{path:?} cannot be written into an export");
-        Diagnostic::new(what, "the name is no text in UTF-8", "rename the folder, or choose another one")
+        let problem = format!("{path:?} cannot be written into an export");
+        Diagnostic::new(problem, "the name is no text in UTF-8", "rename the folder, or choose another one")
     })
 }
 
 /// The list of an earlier export; none where there was no export.
-fn list(folder: &Path) -> Result<Option<List>> {
+fn read_list(folder: &Path) -> Result<Option<List>> {
     let path = folder.join(LIST);
     if path.symlink_metadata().is_err() {
         return Ok(None);
     }
-    let not_understood = |why: String| {
+    let not_understood = |reason: String| {
         Diagnostic::file(
             &path,
             "the list of an earlier export is not understood",
-            why,
+            reason,
             "move the folder away, or name another one",
         )
     };
@@ -108,7 +108,7 @@ fn list(folder: &Path) -> Result<Option<List>> {
 fn refuse_foreign_files(folder: &Path) -> Result<()> {
     let entries = match fs::read_dir(folder) {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        entries => entries.map_err(|e| unwritable(folder, e))?,
+        entries => entries.map_err(|e| write_error(folder, e))?,
     };
     let is_foreign = |path: &PathBuf| !path.join(LIST).is_file();
     match entries.flatten().map(|entry| entry.path()).filter(is_foreign).min() {
@@ -123,21 +123,21 @@ fn refuse_foreign_files(folder: &Path) -> Result<()> {
 }
 
 /// Whether a file lies there with other bytes than an export wrote.
-fn edited(folder: &Path, path: &str, earlier: &List) -> bool {
-    let place = folder.join(path);
-    if place.symlink_metadata().is_err() {
+fn was_edited(folder: &Path, path: &str, earlier: &List) -> bool {
+    let file = folder.join(path);
+    if file.symlink_metadata().is_err() {
         return false;
     }
-    let present = input::read(&place, input::MESH).map(|bytes| hash(&bytes));
+    let present = input::read(&file, input::MESH).map(|bytes| content_hash(&bytes));
     !present.is_ok_and(|hash| earlier.get(path).is_some_and(|hashes| hashes.contains(&hash)))
 }
 
 /// Removes what an earlier export wrote and a later one does not.
 fn remove_former_files(folder: &Path, earlier: &List, later: &List) -> Result<()> {
-    for path in earlier.keys().filter(|path| !later.contains_key(*path) && !edited(folder, path, earlier)) {
-        let place = folder.join(path);
-        if place.exists() {
-            fs::remove_file(&place).map_err(|e| unwritable(&place, e))?;
+    for path in earlier.keys().filter(|path| !later.contains_key(*path) && !was_edited(folder, path, earlier)) {
+        let file = folder.join(path);
+        if file.exists() {
+            fs::remove_file(&file).map_err(|e| write_error(&file, e))?;
         }
     }
     Ok(())
@@ -148,19 +148,19 @@ fn write_list(folder: &Path, list: &List) -> Result<()> {
 }
 
 fn write_file(path: &Path, content: &[u8]) -> Result<()> {
-    write_atomically(path, content).map_err(|e| unwritable(path, e))
+    write_atomically(path, content).map_err(|e| write_error(path, e))
 }
 
-fn hash(content: &[u8]) -> String {
+fn content_hash(content: &[u8]) -> String {
     blake3::hash(content).to_hex().to_string()
 }
 
 fn edited_file(path: &Path, is_listed: bool) -> Diagnostic {
-    let why = if is_listed { "it was edited since an earlier export wrote it" } else { "no export wrote it" };
-    Diagnostic::file(path, "the file would be overwritten", why, "move it away, or export into another folder")
+    let reason = if is_listed { "it was edited since an earlier export wrote it" } else { "no export wrote it" };
+    Diagnostic::file(path, "the file would be overwritten", reason, "move it away, or export into another folder")
 }
 
-fn unwritable(path: &Path, error: std::io::Error) -> Diagnostic {
+fn write_error(path: &Path, error: std::io::Error) -> Diagnostic {
     Diagnostic::io(path, error, "choose another folder or correct its permissions")
 }
 
@@ -179,12 +179,12 @@ mod tests {
         }
 
         fn write(&self, version: &str) -> Result<Vec<PathBuf>> {
-            let own = [("src/lib.rs", version), ("Cargo.toml", "[package]"), ("example.rs", version)];
+            let contents = [("src/lib.rs", version), ("Cargo.toml", "[package]"), ("example.rs", version)];
             let file = |(path, text): (&str, &str)| ExportedFile {
                 is_template: path == "example.rs",
                 ..ExportedFile::new(path, text)
             };
-            write(&self.0, &own.map(file))
+            write(&self.0, &contents.map(file))
         }
 
         fn text(&self, file: &str) -> String {
@@ -251,9 +251,9 @@ mod tests {
     fn an_export_that_was_killed_is_no_edited_one() {
         let folder = Folder::new("killed");
         folder.write("1").unwrap();
-        let earlier = list(&folder.0).unwrap().unwrap();
+        let earlier = read_list(&folder.0).unwrap().unwrap();
         folder.write("2").unwrap();
-        let mut either = list(&folder.0).unwrap().unwrap();
+        let mut either = read_list(&folder.0).unwrap().unwrap();
         for (path, hashes) in earlier {
             either.entry(path).or_default().extend(hashes);
         }

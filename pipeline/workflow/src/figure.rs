@@ -19,8 +19,8 @@ pub trait Figure {
     const VERSION: u32;
 
     /// Whether there is anything to show.
-    fn is_made_for(of: &Self::Of) -> bool {
-        let _ = of;
+    fn is_made_for(subject: &Self::Of) -> bool {
+        let _ = subject;
         true
     }
 

@@ -36,11 +36,11 @@ pub trait RecordReader: Sync {
 /// A set of records that can be read for a subject.
 pub trait Needs<Of>: Sized {
     /// Their names.
-    fn ids(of: &Of) -> Vec<RecordId>;
+    fn ids(subject: &Of) -> Vec<RecordId>;
 
     /// The parts read of their subjects, for the key; null where only records are read.
-    fn parts(of: &Of) -> Value {
-        let _ = of;
+    fn parts(subject: &Of) -> Value {
+        let _ = subject;
         Value::Null
     }
 
@@ -48,12 +48,12 @@ pub trait Needs<Of>: Sized {
     ///
     /// # Errors
     /// A [`Diagnostic`] when one is missing or unreadable.
-    fn read(of: &Of, reader: &dyn RecordReader) -> Result<Self>;
+    fn read(subject: &Of, reader: &dyn RecordReader) -> Result<Self>;
 }
 
 /// The record's name for a subject.
-pub fn id<R: Record>(of: &R::Of) -> RecordId {
-    RecordId { stage: R::STAGE, subject: of.name() }
+pub fn id<R: Record>(subject: &R::Of) -> RecordId {
+    RecordId { stage: R::STAGE, subject: subject.name() }
 }
 
 /// The names of the records of these subjects.
@@ -79,8 +79,8 @@ pub fn read_each<R: Record, P: Part<R::Of>>(subjects: &[R::Of], reader: &dyn Rec
 ///
 /// # Errors
 /// A [`Diagnostic`] when it is missing or unreadable.
-pub fn read_one<R: Record>(of: &R::Of, reader: &dyn RecordReader) -> Result<R> {
-    let id = id::<R>(of);
+pub fn read_one<R: Record>(subject: &R::Of, reader: &dyn RecordReader) -> Result<R> {
+    let id = id::<R>(subject);
     R::unpack(&reader.files(&id)?).map_err(|e| {
         Diagnostic::new(format!("record `{id}` cannot be read"), &e, format!("study run {} --fresh", id.stage))
             .caused_by(e)
@@ -92,12 +92,12 @@ where
     R: Record,
     R::Of: SubjectOf<S>,
 {
-    fn ids(of: &S) -> Vec<RecordId> {
-        vec![id::<R>(&R::Of::subject_of(of))]
+    fn ids(subject: &S) -> Vec<RecordId> {
+        vec![id::<R>(&R::Of::subject_of(subject))]
     }
 
-    fn read(of: &S, reader: &dyn RecordReader) -> Result<Self> {
-        read_one(&R::Of::subject_of(of), reader)
+    fn read(subject: &S, reader: &dyn RecordReader) -> Result<Self> {
+        read_one(&R::Of::subject_of(subject), reader)
     }
 }
 
@@ -106,12 +106,12 @@ pub struct Every<R, P = Name>(pub Vec<(P, R)>);
 
 impl<R: Record, P> Every<R, P> {
     /// Whether there is any.
-    pub fn any(of: &<R::Of as Subject>::Universe) -> bool {
-        !Self::subjects(of).is_empty()
+    pub fn any(universe: &<R::Of as Subject>::Universe) -> bool {
+        !Self::subjects(universe).is_empty()
     }
 
-    fn subjects(of: &<R::Of as Subject>::Universe) -> Vec<R::Of> {
-        R::Of::all(of).into_iter().filter(R::is_made_for).collect()
+    fn subjects(universe: &<R::Of as Subject>::Universe) -> Vec<R::Of> {
+        R::Of::all(universe).into_iter().filter(R::is_made_for).collect()
     }
 }
 
@@ -121,16 +121,16 @@ where
     R::Of: Subject<Universe = U>,
     P: Part<R::Of>,
 {
-    fn ids(of: &U) -> Vec<RecordId> {
-        ids_of::<R>(&Self::subjects(of))
+    fn ids(universe: &U) -> Vec<RecordId> {
+        ids_of::<R>(&Self::subjects(universe))
     }
 
-    fn parts(of: &U) -> Value {
-        parts_of::<R::Of, P>(&Self::subjects(of))
+    fn parts(universe: &U) -> Value {
+        parts_of::<R::Of, P>(&Self::subjects(universe))
     }
 
-    fn read(of: &U, reader: &dyn RecordReader) -> Result<Self> {
-        read_each(&Self::subjects(of), reader).map(Self)
+    fn read(universe: &U, reader: &dyn RecordReader) -> Result<Self> {
+        read_each(&Self::subjects(universe), reader).map(Self)
     }
 }
 
@@ -142,14 +142,14 @@ where
     R: Record,
     R::Of: SubjectOf<S>,
 {
-    fn ids(of: &S) -> Vec<RecordId> {
-        let of = R::Of::subject_of(of);
-        if R::is_made_for(&of) { vec![id::<R>(&of)] } else { Vec::new() }
+    fn ids(subject: &S) -> Vec<RecordId> {
+        let record_subject = R::Of::subject_of(subject);
+        if R::is_made_for(&record_subject) { vec![id::<R>(&record_subject)] } else { Vec::new() }
     }
 
-    fn read(of: &S, reader: &dyn RecordReader) -> Result<Self> {
-        let of = R::Of::subject_of(of);
-        R::is_made_for(&of).then(|| read_one(&of, reader)).transpose().map(Self)
+    fn read(subject: &S, reader: &dyn RecordReader) -> Result<Self> {
+        let record_subject = R::Of::subject_of(subject);
+        R::is_made_for(&record_subject).then(|| read_one(&record_subject, reader)).transpose().map(Self)
     }
 }
 
@@ -167,17 +167,17 @@ impl<S> Needs<S> for () {
 macro_rules! tuple_needs {
     ($($part:ident),+) => {
         impl<S, $($part: Needs<S>),+> Needs<S> for ($($part,)+) {
-            fn ids(of: &S) -> Vec<RecordId> {
-                [$($part::ids(of)),+].concat()
+            fn ids(subject: &S) -> Vec<RecordId> {
+                [$($part::ids(subject)),+].concat()
             }
 
-            fn parts(of: &S) -> Value {
-                let parts = [$($part::parts(of)),+];
+            fn parts(subject: &S) -> Value {
+                let parts = [$($part::parts(subject)),+];
                 if parts.iter().all(Value::is_null) { Value::Null } else { parts.into_iter().collect() }
             }
 
-            fn read(of: &S, reader: &dyn RecordReader) -> Result<Self> {
-                Ok(($($part::read(of, reader)?,)+))
+            fn read(subject: &S, reader: &dyn RecordReader) -> Result<Self> {
+                Ok(($($part::read(subject, reader)?,)+))
             }
         }
     };

@@ -69,8 +69,8 @@ impl Ranges {
         // a page that is no TOML is refused by its reader, with the line
         let paper: Table = toml::from_str(text).unwrap_or_default();
         self.check_lists(text, &paper, "")?;
-        let mut others = paper.iter().filter_map(|(name, value)| Some((name, value.as_table()?)));
-        others.try_for_each(|(name, table)| match is_profile(name) {
+        let mut tables = paper.iter().filter_map(|(name, value)| Some((name, value.as_table()?)));
+        tables.try_for_each(|(name, table)| match is_profile(name) {
             true => self.check_lists(text, table, &format!("{name}.")),
             false => Ok(()),
         })
@@ -80,11 +80,11 @@ impl Ranges {
         let keys = self.0.iter().flat_map(|(section, keys)| keys.iter().map(move |(key, range)| (section, key, range)));
         for (section, key, range) in keys {
             let list = settings.get(section).and_then(|section| section.get(key)).and_then(Value::as_array);
-            let Some(slip) = list.and_then(|values| range.slip(values)) else { continue };
+            let Some(fault) = list.and_then(|values| range.list_fault(values)) else { continue };
             let path = format!("{profile}{section}.{key}");
             let line = table::line_of_path(text, &path);
-            let why = format!("a list has 1 to {LONGEST_LIST} numbers, and bounds, knots and levels rise");
-            return Err(refused(format!("{path} {slip}"), why).at_line(line));
+            let reason = format!("a list has 1 to {LONGEST_LIST} numbers, and bounds, knots and levels rise");
+            return Err(settings_error(format!("{path} {fault}"), reason).at_line(line));
         }
         Ok(())
     }
@@ -92,7 +92,7 @@ impl Ranges {
 
 impl Range {
     /// What is wrong with a list of numbers, besides each of them.
-    fn slip(&self, values: &[Value]) -> Option<&'static str> {
+    fn list_fault(&self, values: &[Value]) -> Option<&'static str> {
         let Range::List(_, _, rule) = self else {
             return (values.len() > LONGEST_LIST).then_some("has more than 100 numbers");
         };
@@ -115,10 +115,10 @@ fn out_of_range(text: &str, number: &Number, [low, high]: [f64; 2]) -> Diagnosti
     let Number { key, value, span } = number;
     // Beyond this, digits without an exponent are not legible.
     let value = if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") };
-    let why = format!("the range is {low} to {high}; numbers are in SI units");
-    refused(format!("{key} = {value} is out of range"), why).at_line(table::line_of_offset(text, span.start))
+    let reason = format!("the range is {low} to {high}; numbers are in SI units");
+    settings_error(format!("{key} = {value} is out of range"), reason).at_line(table::line_of_offset(text, span.start))
 }
 
-fn refused(what: String, why: String) -> Diagnostic {
-    Diagnostic::file(Path::new(FILE), what, why, format!("correct it; {SEE}"))
+fn settings_error(problem: String, reason: String) -> Diagnostic {
+    Diagnostic::file(Path::new(FILE), problem, reason, format!("correct it; {SEE}"))
 }

@@ -32,8 +32,8 @@ pub trait Record: Sized + Send + Sync {
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError>;
 
     /// Whether there is such a record of this subject at all (a validation exists of validation trials only).
-    fn is_made_for(of: &Self::Of) -> bool {
-        let _ = of;
+    fn is_made_for(subject: &Self::Of) -> bool {
+        let _ = subject;
         true
     }
 
@@ -98,7 +98,7 @@ impl RecordFiles {
     /// # Errors
     /// [`RecordError::Scalars`] when a value has no form in JSON.
     pub fn scalars(self, name: &str, value: &impl Serialize) -> Result<Self, RecordError> {
-        let text = serde_json::to_string_pretty(value).map_err(|e| unreadable(name, &e))?;
+        let text = serde_json::to_string_pretty(value).map_err(|e| json_error(name, &e))?;
         Ok(self.file(name, (text + "\n").into_bytes()))
     }
 
@@ -107,7 +107,7 @@ impl RecordFiles {
     /// # Errors
     /// [`RecordError::Scalars`] when a value has no form in JSON.
     pub fn durations(mut self, name: &str, value: &impl Serialize) -> Result<Self, RecordError> {
-        let text = serde_json::to_string_pretty(value).map_err(|e| unreadable(name, &e))?;
+        let text = serde_json::to_string_pretty(value).map_err(|e| json_error(name, &e))?;
         self.durations.insert(name.into(), (text + "\n").into_bytes());
         Ok(self)
     }
@@ -124,8 +124,8 @@ impl RecordFiles {
     /// # Errors
     /// [`RecordError::Absent`] when there is none of that name.
     pub fn bytes(&self, name: &str) -> Result<&[u8], RecordError> {
-        let found = self.files.get(name).or_else(|| self.durations.get(name));
-        found.map(Vec::as_slice).ok_or_else(|| RecordError::Absent(name.into()))
+        let bytes = self.files.get(name).or_else(|| self.durations.get(name));
+        bytes.map(Vec::as_slice).ok_or_else(|| RecordError::Absent(name.into()))
     }
 
     /// A table.
@@ -141,7 +141,7 @@ impl RecordFiles {
     /// # Errors
     /// [`RecordError`] when they are absent or of another form.
     pub fn read_scalars<T: DeserializeOwned>(&self, name: &str) -> Result<T, RecordError> {
-        serde_json::from_slice(self.bytes(name)?).map_err(|e| unreadable(name, &e))
+        serde_json::from_slice(self.bytes(name)?).map_err(|e| json_error(name, &e))
     }
 
     /// The files of the content, by name.
@@ -160,6 +160,6 @@ impl RecordFiles {
     }
 }
 
-fn unreadable(file: &str, cause: &serde_json::Error) -> RecordError {
+fn json_error(file: &str, cause: &serde_json::Error) -> RecordError {
     RecordError::Scalars { file: file.into(), cause: cause.to_string() }
 }

@@ -77,11 +77,11 @@ impl Settings {
     pub fn read(text: &str, profile: Profile, schema: Schema) -> Result<Self> {
         let mut table: Table = toml::from_str(text).map_err(|e| table::toml_error(text, Path::new(FILE), &e, SEE))?;
         table::finite(text, Path::new(FILE), SEE)?;
-        for other in Profile::ALL.into_iter().filter(|p| *p != Profile::Paper) {
-            match table.remove(other.name()) {
-                Some(Value::Table(over)) if other == profile => lay_over(&mut table, over),
+        for other_profile in Profile::ALL.into_iter().filter(|p| *p != Profile::Paper) {
+            match table.remove(other_profile.name()) {
+                Some(Value::Table(overrides)) if other_profile == profile => lay_over(&mut table, overrides),
                 Some(Value::Table(_)) | None => {}
-                Some(value) => return Err(no_section(other, &value)),
+                Some(value) => return Err(no_section(other_profile, &value)),
             }
         }
         match table.keys().find(|name| !schema.sections.contains(&name.as_str())) {
@@ -98,8 +98,8 @@ impl Settings {
         let section = self.sections.get(name).cloned().unwrap_or_else(|| Value::Table(Table::new()));
         if let Some(renamed) = self.renamed.iter().find(|r| r.section == name && section.get(r.old).is_some()) {
             let Renamed { old, new, .. } = renamed;
-            let what = format!("study.toml, [{name}] has the key `{old}`");
-            return Err(Diagnostic::new(what, format!("it is called `{new}`"), format!("rename it to `{new}`")));
+            let problem = format!("study.toml, [{name}] has the key `{old}`");
+            return Err(Diagnostic::new(problem, format!("it is called `{new}`"), format!("rename it to `{new}`")));
         }
         section.try_into().map_err(|e: toml::de::Error| {
             Diagnostic::new(
@@ -131,12 +131,14 @@ fn lay_over(below: &mut Table, above: Table) {
 }
 
 fn unknown_section(name: &str, schema: Schema) -> Diagnostic {
-    let what = format!("study.toml has a section [{name}] that no stage reads");
+    let problem = format!("study.toml has a section [{name}] that no stage reads");
     match schema.renamed.iter().find(|r| r.section.is_empty() && r.old == name) {
         Some(Renamed { new, .. }) => {
-            Diagnostic::new(what, format!("it is called [{new}]"), format!("rename it to [{new}]"))
+            Diagnostic::new(problem, format!("it is called [{new}]"), format!("rename it to [{new}]"))
         }
-        None => Diagnostic::new(what, format!("known sections: {}", schema.sections.join(", ")), "rename or remove it"),
+        None => {
+            Diagnostic::new(problem, format!("known sections: {}", schema.sections.join(", ")), "rename or remove it")
+        }
     }
 }
 

@@ -32,8 +32,8 @@ pub trait Stage {
     const SECTION: &'static str = Self::Makes::STAGE;
 
     /// The raw files that it reads.
-    fn raw(of: &<Self::Makes as Record>::Of) -> Vec<RawFile> {
-        let _ = of;
+    fn raw(subject: &<Self::Makes as Record>::Of) -> Vec<RawFile> {
+        let _ = subject;
         Vec::new()
     }
 

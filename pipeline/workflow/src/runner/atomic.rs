@@ -30,7 +30,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
     // With the process: two may write the same file, each with all of its bytes, and a leftover is known by a process that has ended.
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}{UNFINISHED}", this().token));
+    name.push(format!(".{}{UNFINISHED}", this_process().token));
     let unfinished = path.with_file_name(name);
     // Without the sync a power cut after the rename could leave an empty file under the final name.
     let written = write_synced(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path));
@@ -47,14 +47,14 @@ pub(super) fn sweep(folder: &Path) {
         let name = entry.file_name();
         let token =
             name.to_str().and_then(|name| name.strip_suffix(UNFINISHED)).and_then(|name| name.rsplit('.').next());
-        if token.is_some_and(|token| this().has_ended_here(token)) {
+        if token.is_some_and(|token| this_process().has_ended_here(token)) {
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
 /// This process, asked for once: its name is part of every file that is written.
-fn this() -> &'static Process {
+fn this_process() -> &'static Process {
     static THIS: OnceLock<Process> = OnceLock::new();
     THIS.get_or_init(Process::this)
 }
@@ -67,9 +67,10 @@ mod tests {
     fn what_an_ended_process_left_is_swept_and_what_a_running_one_writes_is_not() {
         let folder = std::env::temp_dir().join(format!("atomic-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let own = &this().token;
-        let ended = own.replacen(&format!("-{}-", std::process::id()), "-0-", 1);
-        let names = [format!("a.json.{ended}{UNFINISHED}"), format!("a.json.{own}{UNFINISHED}"), "b.unfinished".into()];
+        let token = &this_process().token;
+        let ended = token.replacen(&format!("-{}-", std::process::id()), "-0-", 1);
+        let names =
+            [format!("a.json.{ended}{UNFINISHED}"), format!("a.json.{token}{UNFINISHED}"), "b.unfinished".into()];
         names.iter().for_each(|name| fs::write(folder.join(name), "").unwrap());
         sweep(&folder);
         assert_eq!(names.map(|name| folder.join(name).exists()), [false, true, true]);

@@ -28,8 +28,8 @@ impl StageContext for RunContext<'_> {
     fn bytes(&self, name: &str) -> Result<Vec<u8>> {
         let path = self.path(name)?;
         input::read(&path, input::MESH).map_err(|e| {
-            let what = format!("{} cannot be read", self.folders.display(&path));
-            Diagnostic::new(what, &e, "put the file there, or correct its name on the card").caused_by(e)
+            let problem = format!("{} cannot be read", self.folders.display(&path));
+            Diagnostic::new(problem, &e, "put the file there, or correct its name on the card").caused_by(e)
         })
     }
 

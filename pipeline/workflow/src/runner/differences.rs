@@ -7,59 +7,65 @@ use serde_json::Value;
 use super::manifest::MadeFrom;
 
 /// The differences between the inputs of a record and the present ones, one sentence each.
-pub fn differences(before: &MadeFrom, now: &MadeFrom) -> Vec<String> {
-    let mut found = Vec::new();
-    if before.version != now.version {
-        found.push(format!("the stage is of version {}, the record of version {}", now.version, before.version));
+pub fn differences(recorded: &MadeFrom, present: &MadeFrom) -> Vec<String> {
+    let mut sentences = Vec::new();
+    if recorded.version != present.version {
+        sentences
+            .push(format!("the stage is of version {}, the record of version {}", present.version, recorded.version));
     }
-    found.extend(settings("setting", "", &before.settings, &now.settings));
-    found.extend(settings("card entry", "", &before.card, &now.card));
-    hashes("recording", &before.raw, &now.raw, &mut found);
-    hashes("record", &before.records, &now.records, &mut found);
-    found
+    sentences.extend(setting_differences("setting", "", &recorded.settings, &present.settings));
+    sentences.extend(setting_differences("card entry", "", &recorded.card, &present.card));
+    hash_differences("recording", &recorded.raw, &present.raw, &mut sentences);
+    hash_differences("record", &recorded.records, &present.records, &mut sentences);
+    sentences
 }
 
 /// The differences between two values, of which `path` is the key.
-fn settings(what: &str, path: &str, before: &Value, now: &Value) -> Vec<String> {
-    if before == now {
+fn setting_differences(kind: &str, path: &str, recorded: &Value, present: &Value) -> Vec<String> {
+    if recorded == present {
         return Vec::new();
     }
-    let (Value::Object(a), Value::Object(b)) = (before, now) else {
-        return vec![format!("{what} `{path}` was {} and is {}", shown(before), shown(now))];
+    let (Value::Object(a), Value::Object(b)) = (recorded, present) else {
+        return vec![format!("{kind} `{path}` was {} and is {}", display_value(recorded), display_value(present))];
     };
     let keys: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
     let of_key = |key: &String| {
         let deeper = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-        settings(what, &deeper, a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null))
+        setting_differences(kind, &deeper, a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null))
     };
     keys.into_iter().flat_map(of_key).collect()
 }
 
-fn shown(value: &Value) -> String {
+fn display_value(value: &Value) -> String {
     match value {
         Value::Null => "absent".into(),
-        other => {
-            let text = other.to_string();
+        value => {
+            let text = value.to_string();
             if text.chars().count() > 60 { text.chars().take(57).collect::<String>() + "…" } else { text }
         }
     }
 }
 
-fn hashes(what: &str, before: &BTreeMap<String, String>, now: &BTreeMap<String, String>, found: &mut Vec<String>) {
-    let new = now.keys().filter(|name| !before.contains_key(*name));
-    let other = now.iter().filter(|(name, hash)| before.get(*name).is_some_and(|old| old != *hash));
-    let gone = before.keys().filter(|name| !now.contains_key(*name));
-    found.extend(named(what, new.collect(), "new to it"));
-    found.extend(named(what, other.map(|(name, _)| name).collect(), "of other content"));
-    found.extend(named(what, gone.collect(), "no longer read"));
+fn hash_differences(
+    kind: &str,
+    recorded: &BTreeMap<String, String>,
+    present: &BTreeMap<String, String>,
+    sentences: &mut Vec<String>,
+) {
+    let added = present.keys().filter(|name| !recorded.contains_key(*name));
+    let changed = present.iter().filter(|(name, hash)| recorded.get(*name).is_some_and(|old| old != *hash));
+    let removed = recorded.keys().filter(|name| !present.contains_key(*name));
+    sentences.extend(change_sentence(kind, added.collect(), "new to it"));
+    sentences.extend(change_sentence(kind, changed.map(|(name, _)| name).collect(), "of other content"));
+    sentences.extend(change_sentence(kind, removed.collect(), "no longer read"));
 }
 
 /// One sentence about all these names, of which the first is given.
-fn named(what: &str, names: Vec<&String>, how: &str) -> Option<String> {
+fn change_sentence(kind: &str, names: Vec<&String>, how: &str) -> Option<String> {
     let first = names.first()?;
     Some(match names.len() {
-        1 => format!("{what} `{first}` is {how}"),
-        count => format!("{what} `{first}` and {} more are {how}", count - 1),
+        1 => format!("{kind} `{first}` is {how}"),
+        count => format!("{kind} `{first}` and {} more are {how}", count - 1),
     })
 }
 
@@ -75,8 +81,8 @@ mod tests {
 
     #[test]
     fn a_changed_setting_is_named_with_both_values() {
-        let found = differences(&made_from(json!({"edge": 0.004})), &made_from(json!({"edge": 0.003})));
-        assert_eq!(found, ["setting `edge` was 0.004 and is 0.003"]);
+        let sentences = differences(&made_from(json!({"edge": 0.004})), &made_from(json!({"edge": 0.003})));
+        assert_eq!(sentences, ["setting `edge` was 0.004 and is 0.003"]);
     }
 
     #[test]
@@ -88,18 +94,19 @@ mod tests {
 
     #[test]
     fn many_records_of_other_content_are_reported_in_one_sentence() {
-        let of = |hash: &str| -> BTreeMap<String, String> { ["a", "b", "c"].map(|n| (n.into(), hash.into())).into() };
-        let (mut before, mut now) = (made_from(Value::Null), made_from(Value::Null));
-        (before.records, now.records) = (of("old"), of("new"));
-        assert_eq!(differences(&before, &now), ["record `a` and 2 more are of other content"]);
+        let hashes =
+            |hash: &str| -> BTreeMap<String, String> { ["a", "b", "c"].map(|n| (n.into(), hash.into())).into() };
+        let (mut recorded, mut present) = (made_from(Value::Null), made_from(Value::Null));
+        (recorded.records, present.records) = (hashes("old"), hashes("new"));
+        assert_eq!(differences(&recorded, &present), ["record `a` and 2 more are of other content"]);
     }
 
     #[test]
     fn another_edition_or_recording_is_named() {
-        let (before, mut now) = (made_from(Value::Null), made_from(Value::Null));
-        now.version = 2;
-        now.raw.insert("fish/video.mp4".into(), "cd".into());
-        let found = differences(&before, &now);
-        assert!(found[0].contains("version 2") && found[1].contains("fish/video.mp4"));
+        let (recorded, mut present) = (made_from(Value::Null), made_from(Value::Null));
+        present.version = 2;
+        present.raw.insert("fish/video.mp4".into(), "cd".into());
+        let sentences = differences(&recorded, &present);
+        assert!(sentences[0].contains("version 2") && sentences[1].contains("fish/video.mp4"));
     }
 }

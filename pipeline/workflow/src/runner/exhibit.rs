@@ -19,16 +19,16 @@ pub fn write<U: Universe>(runner: &Runner<U>, job: &Job<U>, manifest: &Manifest)
     for name in manifest.files.keys() {
         let lay = || {
             let bytes = input::read(&record.join(name), input::MESH)?;
-            let place = folder.join(name);
-            if input::read(&place, input::MESH).is_ok_and(|old| old == bytes) {
+            let path = folder.join(name);
+            if input::read(&path, input::MESH).is_ok_and(|old| old == bytes) {
                 Ok(())
             } else {
-                write_atomically(&place, &bytes)
+                write_atomically(&path, &bytes)
             }
         };
         lay().map_err(|e: std::io::Error| {
-            let what = format!("{} cannot be written to {}", name, runner.folders.display(&folder));
-            Diagnostic::new(what, e, "free some disk space or correct the folder's permissions")
+            let problem = format!("{} cannot be written to {}", name, runner.folders.display(&folder));
+            Diagnostic::new(problem, e, "free some disk space or correct the folder's permissions")
         })?;
     }
     Ok(())

@@ -24,7 +24,7 @@ impl Folders {
     pub fn new(project: &Path, profile: Profile) -> Self {
         let base = match profile {
             Profile::Paper => project.to_path_buf(),
-            other => project.join("target").join(other.name()),
+            profile => project.join("target").join(profile.name()),
         };
         Self { project: project.to_path_buf(), base }
     }
@@ -44,9 +44,9 @@ impl Folders {
         self.base.join("data").join("raw")
     }
 
-    /// One recording, from its place with `/` between folders.
-    pub fn raw_file(&self, place: &str) -> PathBuf {
-        place.split('/').fold(self.raw(), |path, part| path.join(part))
+    /// One recording, from its relative path with `/` between folders.
+    pub fn raw_file(&self, relative_path: &str) -> PathBuf {
+        relative_path.split('/').fold(self.raw(), |path, part| path.join(part))
     }
 
     /// Records.

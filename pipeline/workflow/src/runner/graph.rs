@@ -47,15 +47,15 @@ pub fn jobs<U: Universe>(runner: &Runner<U>, goal: &Goal) -> Result<Vec<Job<U>>>
         let job = |(subject, inputs)| Job { entry, id: RecordId { stage: entry.name, subject }, inputs };
         (entry.planned)(&runner.universe, &runner.settings).into_iter().map(job).collect()
     };
-    let all: Vec<Job<U>> = entries.par_iter().map(planned).collect::<Vec<_>>().into_iter().flatten().collect();
-    let needed = needed(&all, goal);
-    Ok(all.into_iter().filter(|job| needed.contains(&job.id)).collect())
+    let jobs: Vec<Job<U>> = entries.par_iter().map(planned).collect::<Vec<_>>().into_iter().flatten().collect();
+    let needed = needed_records(&jobs, goal);
+    Ok(jobs.into_iter().filter(|job| needed.contains(&job.id)).collect())
 }
 
 fn check_goal<U: Universe>(entries: &[&'static Entry<U>], universe: &U, goal: &Goal) -> Result<()> {
-    let known: Vec<&str> = entries.iter().map(|e| e.name).collect();
-    if let Some(name) = goal.entries.iter().find(|name| !known.contains(&name.as_str())) {
-        let action = format!("choose from: {}", known.join(", "));
+    let names: Vec<&str> = entries.iter().map(|e| e.name).collect();
+    if let Some(name) = goal.entries.iter().find(|name| !names.contains(&name.as_str())) {
+        let action = format!("choose from: {}", names.join(", "));
         return Err(Diagnostic::new(
             format!("there is no stage, figure or table `{name}`"),
             "no list names it",
@@ -76,22 +76,22 @@ fn check_goal<U: Universe>(entries: &[&'static Entry<U>], universe: &U, goal: &G
 /// The goal's own records and, going back through the list, everything that they read.
 ///
 /// Of an entry that has a record of the group alone, that one; of an entry that has only one of the whole project, that.
-fn needed<U>(all: &[Job<U>], goal: &Goal) -> BTreeSet<RecordId> {
+fn needed_records<U>(jobs: &[Job<U>], goal: &Goal) -> BTreeSet<RecordId> {
     let is_of = |id: &RecordId, name: &str| id.subject.split('/').next() == Some(name);
     let of_group = |id: &RecordId| match &goal.group {
         Some(name) => {
-            let has_own = || all.iter().any(|job| job.id.stage == id.stage && is_of(&job.id, name));
+            let has_own = || jobs.iter().any(|job| job.id.stage == id.stage && is_of(&job.id, name));
             is_of(id, name) || is_of(id, "all") && !goal.entries.is_empty() && !has_own()
         }
         None => true,
     };
     let asked = |id: &RecordId| goal.entries.is_empty() || goal.entries.iter().any(|name| name == id.stage);
-    reached(all, all.iter().map(|job| &job.id).filter(|id| asked(id) && of_group(id)).cloned().collect())
+    reachable_records(jobs, jobs.iter().map(|job| &job.id).filter(|id| asked(id) && of_group(id)).cloned().collect())
 }
 
 /// These records and, going back through the list, everything that they read.
-pub(super) fn reached<U>(all: &[Job<U>], mut needed: BTreeSet<RecordId>) -> BTreeSet<RecordId> {
-    for job in all.iter().rev() {
+pub(super) fn reachable_records<U>(jobs: &[Job<U>], mut needed: BTreeSet<RecordId>) -> BTreeSet<RecordId> {
+    for job in jobs.iter().rev() {
         if needed.contains(&job.id) {
             needed.extend(job.reads().iter().cloned());
         }
@@ -112,10 +112,10 @@ mod tests {
 
     #[test]
     fn of_an_entry_with_records_of_both_kinds_a_group_asks_for_its_own_alone() {
-        let all = [job("both", "a"), job("both", "b"), job("both", "all"), job("drawn", "all")];
+        let jobs = [job("both", "a"), job("both", "b"), job("both", "all"), job("drawn", "all")];
         let needed = |names: &[&str]| {
             let entries = names.iter().map(|name| (*name).into()).collect();
-            let ids = needed(&all, &Goal { entries, group: Some("b".into()) });
+            let ids = needed_records(&jobs, &Goal { entries, group: Some("b".into()) });
             ids.iter().map(|id| id.to_string()).collect::<Vec<_>>()
         };
         assert_eq!(needed(&["both"]), ["both/b"]);

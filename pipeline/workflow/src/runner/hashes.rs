@@ -36,17 +36,17 @@ impl Fingerprint {
 /// The hashes of files.
 #[derive(Debug, Default)]
 pub struct Hashes {
-    seen: Mutex<BTreeMap<PathBuf, Fingerprint>>,
+    fingerprints: Mutex<BTreeMap<PathBuf, Fingerprint>>,
     /// Of an earlier run, by path.
     cached: HashMap<String, Fingerprint>,
 }
 
 impl Hashes {
-    /// Those that a run wrote at `place` and those of single records at `further` places, used where length and date are equal; none where
+    /// Those that a run wrote at `path` and those of single records at the `further` paths, used where length and date are equal; none where
     /// a file does not exist.
-    pub(crate) fn cached(place: &Path, further: impl ParallelIterator<Item = PathBuf>) -> Self {
-        let of_records = || further.map(|place| written(&place)).collect::<Vec<_>>();
-        let (mut cached, of_records) = rayon::join(|| written(place), of_records);
+    pub(crate) fn cached(path: &Path, further: impl ParallelIterator<Item = PathBuf>) -> Self {
+        let of_records = || further.map(|path| read_fingerprints(&path)).collect::<Vec<_>>();
+        let (mut cached, of_records) = rayon::join(|| read_fingerprints(path), of_records);
         cached.extend(of_records.into_iter().flatten());
         Self { cached, ..Self::default() }
     }
@@ -59,13 +59,13 @@ impl Hashes {
         let metadata = fs::metadata(path)?;
         // A FIFO would never end.
         input::regular_file(&metadata)?;
-        let now = seen(&metadata);
-        if let Some(hash) = self.known(path, &now) {
+        let now = fingerprint_of(&metadata);
+        if let Some(hash) = self.cached_hash(path, &now) {
             return Ok(hash);
         }
         let mut hasher = blake3::Hasher::new();
         let hash = hasher.update_reader(File::open(path)?)?.finalize().to_hex().to_string();
-        self.lock().insert(path.to_path_buf(), Fingerprint { hash: hash.clone(), ..now });
+        self.lock_fingerprints().insert(path.to_path_buf(), Fingerprint { hash: hash.clone(), ..now });
         Ok(hash)
     }
 
@@ -74,43 +74,43 @@ impl Hashes {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&self, place: &Path) -> io::Result<()> {
-        let mut all: BTreeMap<PathBuf, Fingerprint> =
-            written(place).into_iter().map(|(path, then)| (PathBuf::from(path), then)).collect();
-        all.retain(|path, then| fs::metadata(path).is_ok_and(|now| then.fits(&seen(&now))));
-        all.append(&mut self.lock().clone());
-        let text = serde_json::to_vec(&all).map_err(io::Error::other)?;
-        write_atomically(place, &text)
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        let mut fingerprints: BTreeMap<PathBuf, Fingerprint> =
+            read_fingerprints(path).into_iter().map(|(path, then)| (PathBuf::from(path), then)).collect();
+        fingerprints.retain(|path, then| fs::metadata(path).is_ok_and(|now| then.fits(&fingerprint_of(&now))));
+        fingerprints.append(&mut self.lock_fingerprints().clone());
+        let text = serde_json::to_vec(&fingerprints).map_err(io::Error::other)?;
+        write_atomically(path, &text)
     }
 
     /// Writes the hashes of these files alone. A process that is killed meanwhile leaves a part, which is read as nothing.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub(crate) fn write_of(&self, files: &[PathBuf], place: &Path) -> io::Result<()> {
-        let seen = self.lock();
-        let own: BTreeMap<_, _> = files.iter().filter_map(|file| seen.get_key_value(file)).collect();
-        fs::write(place, serde_json::to_vec(&own).map_err(io::Error::other)?)
+    pub(crate) fn write_of(&self, files: &[PathBuf], path: &Path) -> io::Result<()> {
+        let fingerprints = self.lock_fingerprints();
+        let selected: BTreeMap<_, _> = files.iter().filter_map(|file| fingerprints.get_key_value(file)).collect();
+        fs::write(path, serde_json::to_vec(&selected).map_err(io::Error::other)?)
     }
 
-    fn known(&self, path: &Path, now: &Fingerprint) -> Option<String> {
+    fn cached_hash(&self, path: &Path, now: &Fingerprint) -> Option<String> {
         let then = self.cached.get(path.to_str()?)?;
         then.fits(now).then(|| then.hash.clone())
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, Fingerprint>> {
-        self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    fn lock_fingerprints(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, Fingerprint>> {
+        self.fingerprints.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }
 
-/// The hashes that a run wrote at `place`; empty where they cannot be read.
-fn written(place: &Path) -> HashMap<String, Fingerprint> {
-    input::read(place, input::LOG).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
+/// The hashes that a run wrote at `path`; empty where they cannot be read.
+fn read_fingerprints(path: &Path) -> HashMap<String, Fingerprint> {
+    input::read(path, input::LOG).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
 }
 
-fn seen(of: &Metadata) -> Fingerprint {
-    let date = of.modified().ok().and_then(|date| date.duration_since(UNIX_EPOCH).ok());
-    Fingerprint { length: of.len(), date: date.map_or(0, |d| d.as_nanos() as u64), hash: String::new() }
+fn fingerprint_of(metadata: &Metadata) -> Fingerprint {
+    let date = metadata.modified().ok().and_then(|date| date.duration_since(UNIX_EPOCH).ok());
+    Fingerprint { length: metadata.len(), date: date.map_or(0, |d| d.as_nanos() as u64), hash: String::new() }
 }
 
 #[cfg(test)]
@@ -121,20 +121,20 @@ mod tests {
     fn a_run_of_a_part_forgets_nothing_of_the_rest_but_what_has_changed() {
         let folder = std::env::temp_dir().join(format!("hashes_{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let [place, first, second, third] = ["hashes.json", "first", "second", "third"].map(|name| folder.join(name));
+        let [path, first, second, third] = ["hashes.json", "first", "second", "third"].map(|name| folder.join(name));
         for file in [&first, &second, &third] {
             fs::write(file, "as it was").unwrap();
         }
-        let whole = Hashes::default();
-        let hash = [&first, &second, &third].map(|file| whole.of(file).unwrap())[0].clone();
-        whole.write(&place).unwrap();
+        let hashes = Hashes::default();
+        let hash = [&first, &second, &third].map(|file| hashes.of(file).unwrap())[0].clone();
+        hashes.write(&path).unwrap();
         fs::write(&third, "longer than it was").unwrap();
         let part = Hashes::default();
         part.of(&first).unwrap();
-        part.write(&place).unwrap();
-        let cached = Hashes::cached(&place, rayon::iter::empty());
-        let known = |file: &Path| cached.known(file, &seen(&fs::metadata(file).unwrap()));
-        assert_eq!([&first, &second, &third].map(|file| known(file)), [Some(hash.clone()), Some(hash), None]);
+        part.write(&path).unwrap();
+        let cached = Hashes::cached(&path, rayon::iter::empty());
+        let hash_of = |file: &Path| cached.cached_hash(file, &fingerprint_of(&fs::metadata(file).unwrap()));
+        assert_eq!([&first, &second, &third].map(|file| hash_of(file)), [Some(hash.clone()), Some(hash), None]);
         assert_eq!(cached.cached.len(), 2, "changed files are not kept");
         fs::remove_dir_all(&folder).unwrap();
     }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use super::Runner;
-use super::graph::{Job, reached};
+use super::graph::{Job, reachable_records};
 use super::hashes::Hashes;
 use super::plan::{Action, judge};
 use crate::needs::RecordId;
@@ -26,35 +26,36 @@ pub struct Task<U: 'static> {
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no such record, or when an input is missing or stale.
-pub fn task<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[String]) -> Result<Task<U>> {
-    let named = named(&all, names)?;
-    let needed = reached(&all, named.clone());
-    let jobs: Vec<Job<U>> = all.into_iter().filter(|job| needed.contains(&job.id)).collect();
+pub fn task<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<Task<U>> {
+    let named = find_records(&jobs, names)?;
+    let needed = reachable_records(&jobs, named.clone());
+    let jobs: Vec<Job<U>> = jobs.into_iter().filter(|job| needed.contains(&job.id)).collect();
     let plan = judge(runner, &jobs);
     let stale = |(job, action): &(&Job<U>, &Action)| !named.contains(&job.id) && !action.keeps();
     let stale: Vec<(&Job<U>, &Action)> = jobs.iter().zip(&plan.actions).filter(stale).collect();
     if let Some((first, action)) = stale.first() {
         let readers = jobs.iter().filter(|job| named.contains(&job.id));
-        let reader =
-            readers.map(|job| &job.id).find(|id| reached(&jobs, BTreeSet::from([(*id).clone()])).contains(&first.id));
+        let reader = readers
+            .map(|job| &job.id)
+            .find(|id| reachable_records(&jobs, BTreeSet::from([(*id).clone()])).contains(&first.id));
         let ids: Vec<&RecordId> = stale.iter().map(|(job, _)| &job.id).collect();
         return Err(not_up_to_date(reader.unwrap_or(&first.id), &ids, &action.in_words()));
     }
-    let (own, inputs): (Vec<Job<U>>, Vec<Job<U>>) = jobs.into_iter().partition(|job| named.contains(&job.id));
+    let (requested, inputs): (Vec<Job<U>>, Vec<Job<U>>) = jobs.into_iter().partition(|job| named.contains(&job.id));
     let of_input = |(id, _): &(RecordId, String)| inputs.iter().any(|job| job.id == *id);
     let contents = plan.contents.into_iter().filter(of_input).collect();
-    Ok(Task { jobs: own, contents })
+    Ok(Task { jobs: requested, contents })
 }
 
 /// Holds that these records and all that they read are up to date.
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no such record, or that names the first that is not up to date.
-pub fn require<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[String]) -> Result<()> {
-    let named = named(&all, names)?;
+pub fn require<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<()> {
+    let named = find_records(&jobs, names)?;
     let stages: Vec<&str> = named.iter().map(|id| id.stage).collect();
-    let needed = reached(&all, named.clone());
-    let jobs: Vec<Job<U>> = all.into_iter().filter(|job| needed.contains(&job.id)).collect();
+    let needed = reachable_records(&jobs, named.clone());
+    let jobs: Vec<Job<U>> = jobs.into_iter().filter(|job| needed.contains(&job.id)).collect();
     let actions = judge(runner, &jobs).actions;
     match jobs.iter().zip(&actions).find(|(_, action)| !action.keeps()) {
         None => Ok(()),
@@ -66,41 +67,40 @@ pub fn require<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[Strin
     }
 }
 
-fn named<U>(all: &[Job<U>], names: &[String]) -> Result<BTreeSet<RecordId>> {
-    let known: BTreeMap<String, &RecordId> = all.iter().map(|job| (job.id.to_string(), &job.id)).collect();
-    let find = |name: &String| known.get(name).map(|id| (*id).clone()).ok_or_else(|| unknown(name, &known));
+fn find_records<U>(jobs: &[Job<U>], names: &[String]) -> Result<BTreeSet<RecordId>> {
+    let ids: BTreeMap<String, &RecordId> = jobs.iter().map(|job| (job.id.to_string(), &job.id)).collect();
+    let find = |name: &String| ids.get(name).map(|id| (*id).clone()).ok_or_else(|| unknown_record(name, &ids));
     names.iter().map(find).collect()
 }
 
-fn unknown(name: &str, known: &BTreeMap<String, &RecordId>) -> Diagnostic {
+fn unknown_record(name: &str, ids: &BTreeMap<String, &RecordId>) -> Diagnostic {
     let stage = name.split('/').next().unwrap_or(name);
-    let of_stage: Vec<&str> =
-        known.keys().map(String::as_str).filter(|id| id.split('/').next() == Some(stage)).collect();
-    let why = match of_stage.len() {
+    let of_stage: Vec<&str> = ids.keys().map(String::as_str).filter(|id| id.split('/').next() == Some(stage)).collect();
+    let reason = match of_stage.len() {
         0 => format!("no stage, figure or table `{stage}` makes a record here"),
         count => {
             let more = if count > MOST_NAMES { format!(" and {} more", count - MOST_NAMES) } else { String::new() };
             format!("the records of `{stage}` are {}{more}", of_stage[..count.min(MOST_NAMES)].join(", "))
         }
     };
-    Diagnostic::new(format!("there is no record `{name}`"), why, "study plan lists the records: STAGE/SUBJECT")
+    Diagnostic::new(format!("there is no record `{name}`"), reason, "study plan lists the records: STAGE/SUBJECT")
 }
 
 fn not_up_to_date(reader: &RecordId, stale: &[&RecordId], first: &str) -> Diagnostic {
-    let others = match stale.len() {
+    let remaining = match stale.len() {
         1 => String::new(),
         count => format!(", and {} more that it needs are not up to date", count - 1),
     };
     let names = || stale.iter().map(|id| id.to_string()).collect::<Vec<_>>().join(" ");
-    let before = if stale.len() > MOST_NAMES {
+    let action = if stale.len() > MOST_NAMES {
         format!("study run {}", reader.stage)
     } else {
         format!("study make {}", names())
     };
     Diagnostic::new(
         format!("record `{reader}` cannot be made from what lies in the store"),
-        format!("its input `{}` {}{first}{others}", stale[0], if first.starts_with("stale") { "is " } else { "" }),
-        before,
+        format!("its input `{}` {}{first}{remaining}", stale[0], if first.starts_with("stale") { "is " } else { "" }),
+        action,
     )
 }
 
@@ -137,9 +137,9 @@ mod tests {
     /// Why there is no record `sum/none` where there are so many others of its stage.
     fn why(count: usize) -> String {
         let ids: Vec<RecordId> = (0..count).map(|k| RecordId { stage: "sum", subject: format!("s{k}") }).collect();
-        let other = RecordId { stage: "summary", subject: "all".into() };
-        let known = ids.iter().chain([&other]).map(|id| (id.to_string(), id)).collect();
-        unknown("sum/none", &known).why
+        let summary = RecordId { stage: "summary", subject: "all".into() };
+        let names = ids.iter().chain([&summary]).map(|id| (id.to_string(), id)).collect();
+        unknown_record("sum/none", &names).why
     }
 
     #[test]

@@ -111,21 +111,21 @@ pub(crate) struct Present<'a> {
 impl MadeFrom {
     /// The record's key.
     pub fn key(&self) -> String {
-        key(self)
+        inputs_key(self)
     }
 }
 
 impl Present<'_> {
     /// The record's key.
     pub(crate) fn key(&self) -> String {
-        key(self)
+        inputs_key(self)
     }
 
     /// The same by itself.
     pub(crate) fn made_from(self) -> MadeFrom {
         MadeFrom {
             version: self.version,
-            raw: self.raw.into_iter().map(|(place, hash)| (place.to_owned(), hash)).collect(),
+            raw: self.raw.into_iter().map(|(path, hash)| (path.to_owned(), hash)).collect(),
             card: self.card.clone(),
             settings: self.settings.clone(),
             records: self.records.into_iter().map(|(id, content)| (id, content.to_owned())).collect(),
@@ -133,8 +133,8 @@ impl Present<'_> {
     }
 }
 
-fn key(of: &impl Serialize) -> String {
-    let text = serde_json::to_vec(of).unwrap_or_default();
+fn inputs_key(inputs: &impl Serialize) -> String {
+    let text = serde_json::to_vec(inputs).unwrap_or_default();
     blake3::hash(&text).to_hex().to_string()
 }
 
@@ -165,8 +165,8 @@ impl Manifest {
         let open = serde_json::to_string_pretty(&Self { seal: String::new(), ..self.clone() })?;
         let seal = blake3::hash(open.as_bytes()).to_hex();
         // The last occurrence: a part of the card may have a key of the same name.
-        let (before, after) = open.rsplit_once(OPEN).unwrap_or((&open, ""));
-        Ok(format!("{before}\"seal\": \"{seal}\"{after}"))
+        let (prefix, suffix) = open.rsplit_once(OPEN).unwrap_or((&open, ""));
+        Ok(format!("{prefix}\"seal\": \"{seal}\"{suffix}"))
     }
 }
 
@@ -176,12 +176,12 @@ impl Manifest {
 /// What is wrong with the text: it is no manifest, or not the one that was written.
 pub(crate) fn parse<M: Sealed>(text: &str) -> Result<M, String> {
     let manifest: M = serde_json::from_str(text).map_err(|e| format!("its {FILE} is not understood ({e})"))?;
-    let (before, after) = text.rsplit_once(&format!("\"seal\": \"{}\"", manifest.seal())).unwrap_or((text, ""));
+    let (prefix, suffix) = text.rsplit_once(&format!("\"seal\": \"{}\"", manifest.seal())).unwrap_or((text, ""));
     let mut open = blake3::Hasher::new();
-    open.update(before.as_bytes()).update(OPEN.as_bytes()).update(after.as_bytes());
+    open.update(prefix.as_bytes()).update(OPEN.as_bytes()).update(suffix.as_bytes());
     let seal = open.finalize().to_hex();
-    let whole = *manifest.seal() == *seal;
-    whole.then_some(manifest).ok_or_else(|| format!("the contents of its {FILE} are not those that were written"))
+    let intact = *manifest.seal() == *seal;
+    intact.then_some(manifest).ok_or_else(|| format!("the contents of its {FILE} are not those that were written"))
 }
 
 #[cfg(test)]
@@ -222,11 +222,12 @@ mod tests {
 
     #[test]
     fn the_content_of_a_file_that_prints_durations_is_the_rest_of_it() {
-        let printed =
-            |text: &str, rest: &str| of_files(RecordFiles::default().timed_file("a.csv", text.into(), rest.into()));
-        let (fast, slow, other) =
+        let printed = |text: &str, untimed: &str| {
+            of_files(RecordFiles::default().timed_file("a.csv", text.into(), untimed.into()))
+        };
+        let (fast, slow, changed) =
             (printed("adam,3 s", "adam"), printed("adam,4 s", "adam"), printed("grid,4 s", "grid"));
-        assert!(fast.content == slow.content && slow.content != other.content);
+        assert!(fast.content == slow.content && slow.content != changed.content);
         assert_ne!(fast.files, slow.files);
     }
 
@@ -242,16 +243,19 @@ mod tests {
     #[test]
     fn a_manifest_that_is_altered_or_cut_at_any_byte_is_refused() {
         let text = manifest().to_text().unwrap();
-        for at in 0..text.len() {
+        for index in 0..text.len() {
             let mut bytes = text.clone().into_bytes();
-            bytes[at] ^= 1;
+            bytes[index] ^= 1;
             let altered = String::from_utf8(bytes).unwrap();
             assert!(
                 parse::<Outline>(&altered).is_err() && parse::<Manifest>(&altered).is_err(),
-                "byte {at} is `{}`",
-                &altered[at..=at]
+                "byte {index} is `{}`",
+                &altered[index..=index]
             );
-            assert!(parse::<Outline>(&text[..at]).is_err() && parse::<Manifest>(&text[..at]).is_err(), "cut at {at}");
+            assert!(
+                parse::<Outline>(&text[..index]).is_err() && parse::<Manifest>(&text[..index]).is_err(),
+                "cut at {index}"
+            );
         }
     }
 }

@@ -30,10 +30,10 @@ impl Budget {
     pub fn new(limit: Option<f64>, min_free: f64, peaks: impl Iterator<Item = (&'static str, f64)>) -> Self {
         let mut largest: BTreeMap<&'static str, f64> = BTreeMap::new();
         for (stage, peak) in peaks {
-            let known = largest.entry(stage).or_default();
-            *known = known.max(peak / MIB_IN_GIB);
+            let largest_peak = largest.entry(stage).or_default();
+            *largest_peak = largest_peak.max(peak / MIB_IN_GIB);
         }
-        Self { limit: limit.or_else(free), min_free, peaks: largest }
+        Self { limit: limit.or_else(free_memory), min_free, peaks: largest }
     }
 
     /// The memory that a record of a stage is expected to need, GiB.
@@ -44,17 +44,17 @@ impl Budget {
     /// Whether a record of a stage may be started beside others that are expected to need `in_use` GiB.
     pub(crate) fn has_room(&self, stage: &str, in_use: f64) -> bool {
         self.limit.is_none_or(|limit| in_use + self.expected(stage) <= limit)
-            && free().is_none_or(|free| free >= self.min_free)
+            && free_memory().is_none_or(|free| free >= self.min_free)
     }
 }
 
 /// Free memory of the machine, or of this process's control group where that is less, GiB; none where the system does not report it.
-fn free() -> Option<f64> {
-    let machine = available(&fs::read_to_string("/proc/meminfo").ok()?)?;
+fn free_memory() -> Option<f64> {
+    let machine = available_memory(&fs::read_to_string("/proc/meminfo").ok()?)?;
     Some(group_free().map_or(machine, |group| group.min(machine)))
 }
 
-fn available(meminfo: &str) -> Option<f64> {
+fn available_memory(meminfo: &str) -> Option<f64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib / KIB_IN_GIB)
@@ -63,8 +63,8 @@ fn available(meminfo: &str) -> Option<f64> {
 /// What the limit of the control group leaves, GiB; none without a limit.
 fn group_free() -> Option<f64> {
     let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
-    let own = groups.lines().find_map(|line| line.strip_prefix("0::/"))?;
-    left_in(&Path::new("/sys/fs/cgroup").join(own))
+    let group = groups.lines().find_map(|line| line.strip_prefix("0::/"))?;
+    left_in(&Path::new("/sys/fs/cgroup").join(group))
 }
 
 fn left_in(group: &Path) -> Option<f64> {
@@ -78,8 +78,8 @@ mod tests {
 
     #[test]
     fn free_memory_is_read_in_gibibytes() {
-        assert_eq!(available("MemTotal: 16 kB\nMemAvailable:   3145728 kB\nBuffers: 1 kB\n"), Some(3.0));
-        assert_eq!(available("MemTotal: 16 kB\n"), None);
+        assert_eq!(available_memory("MemTotal: 16 kB\nMemAvailable:   3145728 kB\nBuffers: 1 kB\n"), Some(3.0));
+        assert_eq!(available_memory("MemTotal: 16 kB\n"), None);
     }
 
     #[test]
@@ -94,7 +94,7 @@ mod tests {
     fn a_machine_has_no_room_for_what_it_does_not_have() {
         let budget = |min_free| Budget::new(Some(f64::INFINITY), min_free, std::iter::empty());
         assert!(budget(0.0).has_room("a", 0.0));
-        assert!(!budget(f64::INFINITY).has_room("a", 0.0) || free().is_none());
+        assert!(!budget(f64::INFINITY).has_room("a", 0.0) || free_memory().is_none());
     }
 
     #[test]

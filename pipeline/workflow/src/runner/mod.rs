@@ -28,7 +28,7 @@ pub use folders::Folders;
 pub use graph::{Goal, Job};
 pub use lock::{Attempt, Holder, Lock};
 pub use manifest::{MadeFrom, Manifest};
-pub(crate) use plan::kept;
+pub(crate) use plan::up_to_date;
 pub use plan::{Outdated, Share};
 pub use process::Process;
 pub use store::{Found, Store};
@@ -109,13 +109,13 @@ impl<U: Universe> Runner<U> {
     pub fn run(&self, goal: &Goal, fresh: bool, publish: &dyn Fn(&Self) -> Result<()>) -> Result<RunSummary> {
         let task = Task { jobs: self.jobs_of(goal)?, contents: BTreeMap::new() };
         let finish = |work: &Work<'_, U>| {
-            let _lock = self.publication(work.holder)?;
+            let _lock = self.lock_publication(work.holder)?;
             self.folders.written_to().iter().for_each(|folder| atomic::sweep(folder));
             // First the hashes: what is published is of the records that the plan keeps, which then need not be read again.
             work.hashes.write(&self.folders.hashes()).map_err(|e| self.without_hashes(e))?;
             publish(self)
         };
-        self.work(task, &|job| fresh && is_named(goal, job), &finish)
+        self.run_task(task, &|job| fresh && is_named(goal, job), &finish)
     }
 
     /// Makes exactly these records, named `stage/subject`, from what lies in the store, unless they are up to date. Nothing that is derived
@@ -128,11 +128,11 @@ impl<U: Universe> Runner<U> {
         let task = make::task(self, self.jobs_of(&Goal::default())?, names)?;
         let finish =
             |work: &Work<'_, U>| make::write_hashes(self, work.jobs, work.hashes).map_err(|e| self.without_hashes(e));
-        self.work(task, &|_| false, &finish)
+        self.run_task(task, &|_| false, &finish)
     }
 
     /// Makes the stale records of a task and those that are `forced`.
-    fn work(
+    fn run_task(
         &self,
         task: Task<U>,
         forced: &(dyn Fn(&Job<U>) -> bool + Sync),
@@ -140,7 +140,7 @@ impl<U: Universe> Runner<U> {
     ) -> Result<RunSummary> {
         let Task { jobs, contents } = task;
         let (holder, hashes) = (Holder::enter(&self.folders.lock_holders())?, Hashes::default());
-        let (report, budget) = (Report::new(jobs.len(), self.options.quiet), self.budget(&jobs));
+        let (report, budget) = (Report::new(jobs.len(), self.options.quiet), self.memory_budget(&jobs));
         let work = Work {
             runner: self,
             jobs: &jobs,
@@ -157,7 +157,7 @@ impl<U: Universe> Runner<U> {
     }
 
     /// The memory that records in progress share, by the peaks of those that were measured.
-    fn budget(&self, jobs: &[Job<U>]) -> Budget {
+    fn memory_budget(&self, jobs: &[Job<U>]) -> Budget {
         let store = Store::new(&self.folders);
         let peak = |job: &Job<U>| Some((job.id.stage, store.measured(&job.id)?.peak_memory?));
         Budget::new(self.options.memory, self.options.min_free_memory, jobs.iter().filter_map(peak))
@@ -169,12 +169,12 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when a file cannot be written.
     pub fn publish(&self, publish: &dyn Fn(&Self) -> Result<()>) -> Result<()> {
         let holder = Holder::enter(&self.folders.lock_holders())?;
-        let _lock = self.publication(&holder)?;
+        let _lock = self.lock_publication(&holder)?;
         publish(self)
     }
 
     /// Waits for the lock of the files derived from all records: they are written in seconds, and who holds it for longer is named.
-    fn publication<'a>(&self, holder: &'a Holder) -> Result<Lock<'a>> {
+    fn lock_publication<'a>(&self, holder: &'a Holder) -> Result<Lock<'a>> {
         let path = self.folders.publication_lock();
         let mut waited = 0;
         loop {
@@ -193,8 +193,8 @@ impl<U: Universe> Runner<U> {
     }
 
     fn without_hashes(&self, error: std::io::Error) -> Diagnostic {
-        let what = format!("the hashes cannot be written to {}", self.folders.display(&self.folders.processed()));
-        Diagnostic::new(what, &error, "free some disk space and run again").caused_by(error)
+        let problem = format!("the hashes cannot be written to {}", self.folders.display(&self.folders.processed()));
+        Diagnostic::new(problem, &error, "free some disk space and run again").caused_by(error)
     }
 
     /// What a run would do, one line a record, without doing it.
@@ -294,17 +294,17 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when the settings of a stage cannot be read.
     pub fn metrics(&self) -> Result<BTreeMap<String, Metric>> {
         let (store, jobs) = (Store::new(&self.folders), self.jobs_of(&Goal::default())?);
-        let kept = plan::kept(self, &jobs);
-        let mut all: BTreeMap<String, Metric> = BTreeMap::new();
-        for job in jobs.iter().filter(|job| kept.contains(&job.id)) {
+        let up_to_date = plan::up_to_date(self, &jobs);
+        let mut metrics: BTreeMap<String, Metric> = BTreeMap::new();
+        for job in jobs.iter().filter(|job| up_to_date.contains(&job.id)) {
             if let Found::Whole(manifest) = store.find(&job.id) {
                 for metric in manifest.metrics {
-                    let known = all.entry(metric.id.clone()).or_insert_with(|| metric.clone());
-                    known.value = known.value.max(metric.value);
+                    let largest = metrics.entry(metric.id.clone()).or_insert_with(|| metric.clone());
+                    largest.value = largest.value.max(metric.value);
                 }
             }
         }
-        Ok(all)
+        Ok(metrics)
     }
 }
 
@@ -362,11 +362,11 @@ mod tests {
     #[test]
     fn why_says_what_a_record_was_made_from() {
         let (runner, root) = chain("why");
-        let why = |entry| runner.why(entry).unwrap();
-        let never = why("second");
+        let explain = |entry| runner.why(entry).unwrap();
+        let never = explain("second");
         assert!(never.starts_with("second ") && never.ends_with("\n  it was never made"), "{never}");
         assert_eq!(run(&runner, None), [2, 0, 0, 0]);
-        let (first, second) = (why("first"), why("second"));
+        let (first, second) = (explain("first"), explain("second"));
         let lines: Vec<&str> = second.lines().collect();
         assert!(lines[0].starts_with("second ") && lines[0].ends_with(" kept"), "{second}");
         assert!(lines[1].starts_with("  version 1, made in ") && lines[1].contains(" s, content "), "{second}");
@@ -376,7 +376,11 @@ mod tests {
         let recording = first.lines().find_map(|line| line.strip_prefix("  recording a/lit.csv  ")).unwrap();
         assert_eq!((recording.len(), first.lines().count()), (12, 5), "{first}");
         std::fs::write(runner.folders.raw_file("a/lit.csv"), "2").unwrap();
-        assert!(why("first").starts_with("first ") && why("first").contains("of other content"), "{}", why("first"));
+        assert!(
+            explain("first").starts_with("first ") && explain("first").contains("of other content"),
+            "{}",
+            explain("first")
+        );
         std::fs::remove_dir_all(&root).unwrap();
     }
 
@@ -384,16 +388,16 @@ mod tests {
     fn fresh_makes_the_named_record_again_and_none_that_it_reads() {
         let (runner, root) = chain("fresh");
         run(&runner, None);
-        let made = || {
+        let modified = || {
             let record = |stage, subject: &str| runner.folders.record(&RecordId { stage, subject: subject.into() });
             let manifest = |stage, subject| record(stage, subject).join(manifest::FILE);
             [manifest("first", "a"), manifest("second", "all")]
                 .map(|path| std::fs::metadata(path).unwrap().modified().unwrap())
         };
-        let before = made();
+        let former = modified();
         assert_eq!(run(&runner, Some("second")), [1, 1, 0, 0]);
-        let after = made();
-        assert!(after[0] == before[0] && after[1] > before[1], "{before:?} {after:?}");
+        let later = modified();
+        assert!(later[0] == former[0] && later[1] > former[1], "{former:?} {later:?}");
         std::fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -26,7 +26,7 @@ pub(super) enum Action {
 /// One line a record, and a last line with the count.
 pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
     let actions = judge(runner, jobs).actions;
-    let mut lines: Vec<String> = jobs.iter().zip(&actions).map(|(job, action)| line(job, action)).collect();
+    let mut lines: Vec<String> = jobs.iter().zip(&actions).map(|(job, action)| plan_line(job, action)).collect();
     let stale = actions.iter().filter(|action| !action.keeps()).count();
     lines.push(format!("{} of {} records would be made", stale, jobs.len()));
     lines.join("\n")
@@ -40,7 +40,7 @@ pub fn stale<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
 }
 
 /// The records that a run would keep.
-pub(crate) fn kept<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeSet<RecordId> {
+pub(crate) fn up_to_date<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeSet<RecordId> {
     let actions = judge(runner, jobs).actions;
     jobs.iter().zip(&actions).filter(|(_, action)| action.keeps()).map(|(job, _)| job.id.clone()).collect()
 }
@@ -67,7 +67,7 @@ pub fn why<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], entry: &str) -> Str
     let actions = judge(runner, jobs).actions;
     let of_entry = jobs.iter().zip(&actions).filter(|(job, _)| job.id.stage == entry);
     of_entry
-        .map(|(job, action)| format!("{}\n{}", line(job, action), history(runner, job)))
+        .map(|(job, action)| format!("{}\n{}", plan_line(job, action), record_history(runner, job)))
         .collect::<Vec<_>>()
         .join("\n")
 }
@@ -114,22 +114,23 @@ pub(super) struct Plan {
 /// Compares the inputs of all records with their manifests, in parallel. A record that reads a kept one takes its content from the
 /// disk; one that reads a record to be made waits.
 pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
-    let own = jobs.par_iter().map(|job| runner.folders.record_hashes(&job.id));
-    let hashes = Hashes::cached(&runner.folders.hashes(), own);
+    let record_hashes = jobs.par_iter().map(|job| runner.folders.record_hashes(&job.id));
+    let hashes = Hashes::cached(&runner.folders.hashes(), record_hashes);
     let store = Store::new(&runner.folders);
-    let found: Vec<Found<Outline>> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
-    let whole = |(job, found): (&Job<U>, &Found<Outline>)| Some((job.id.clone(), found.manifest()?.content.clone()));
-    let contents: BTreeMap<RecordId, String> = jobs.iter().zip(&found).filter_map(whole).collect();
+    let stored: Vec<Found<Outline>> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
+    let content =
+        |(job, stored): (&Job<U>, &Found<Outline>)| Some((job.id.clone(), stored.manifest()?.content.clone()));
+    let contents: BTreeMap<RecordId, String> = jobs.iter().zip(&stored).filter_map(content).collect();
     // The whole manifest is read of stale records alone, for their differences.
-    let judge = |(job, found): (&Job<U>, &Found<Outline>)| {
+    let judge = |(job, stored): (&Job<U>, &Found<Outline>)| {
         let now = present(runner, job, &contents, &hashes)?;
-        let kept = found.manifest().is_some_and(|outline| outline.key == now.key());
-        Ok(if kept { None } else { Some(state(runner, job, &now.made_from(), &hashes)) })
+        let unchanged = stored.manifest().is_some_and(|outline| outline.key == now.key());
+        Ok(if unchanged { None } else { Some(state(runner, job, &now.made_from(), &hashes)) })
     };
-    let states: Vec<Result<Option<State>>> = jobs.par_iter().zip(&found).map(judge).collect();
+    let states: Vec<Result<Option<State>>> = jobs.par_iter().zip(&stored).map(judge).collect();
     let mut changing = BTreeSet::new();
     let mut settle = |(job, state): (&Job<U>, Result<Option<State>>)| {
-        let action = action(job, state, &changing);
+        let action = action_for(job, state, &changing);
         if !action.keeps() {
             changing.insert(job.id.clone());
         }
@@ -139,7 +140,7 @@ pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
     Plan { actions, contents }
 }
 
-fn action<U: Universe>(job: &Job<U>, state: Result<Option<State>>, changing: &BTreeSet<RecordId>) -> Action {
+fn action_for<U: Universe>(job: &Job<U>, state: Result<Option<State>>, changing: &BTreeSet<RecordId>) -> Action {
     let upstream = job.reads().iter().find(|id| changing.contains(*id));
     match (state, upstream) {
         (Err(diagnostic), _) => Action::Impossible(diagnostic),
@@ -150,7 +151,7 @@ fn action<U: Universe>(job: &Job<U>, state: Result<Option<State>>, changing: &BT
     }
 }
 
-fn line<U: Universe>(job: &Job<U>, action: &Action) -> String {
+fn plan_line<U: Universe>(job: &Job<U>, action: &Action) -> String {
     format!("{:<16} {:<28} {}", job.id.stage, job.id.subject, action.in_words())
 }
 
@@ -171,18 +172,18 @@ impl Action {
     }
 }
 
-fn history<U: Universe>(runner: &Runner<U>, job: &Job<U>) -> String {
+fn record_history<U: Universe>(runner: &Runner<U>, job: &Job<U>) -> String {
     match Store::new(&runner.folders).find(&job.id) {
         Found::Whole(manifest) => {
-            let from = &manifest.made_from;
+            let inputs = &manifest.made_from;
             let mut lines = vec![format!(
                 "  version {}, made in {:.1} s, content {:.12}",
-                from.version, manifest.seconds, manifest.content
+                inputs.version, manifest.seconds, manifest.content
             )];
-            lines.extend(from.raw.iter().map(|(place, hash)| format!("  recording {place}  {hash:.12}")));
-            lines.extend(from.records.iter().map(|(id, hash)| format!("  record    {id}  {hash:.12}")));
-            lines.push(format!("  settings  {}", from.settings));
-            lines.push(format!("  card      {}", from.card));
+            lines.extend(inputs.raw.iter().map(|(path, hash)| format!("  recording {path}  {hash:.12}")));
+            lines.extend(inputs.records.iter().map(|(id, hash)| format!("  record    {id}  {hash:.12}")));
+            lines.push(format!("  settings  {}", inputs.settings));
+            lines.push(format!("  card      {}", inputs.card));
             lines.join("\n")
         }
         Found::Nothing => "  it was never made".into(),

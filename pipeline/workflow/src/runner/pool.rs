@@ -84,7 +84,7 @@ struct Shared {
 
 impl Shared {
     /// A worker that panicked while it held the lock leaves counters that are still true: they are set in single steps.
-    fn lock(&self) -> MutexGuard<'_, Progress> {
+    fn lock_progress(&self) -> MutexGuard<'_, Progress> {
         self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -98,41 +98,41 @@ impl<U: Universe> Pool<'_, U> {
         // Scoped threads of their own, not rayon's: a worker blocks while it waits, and a blocked rayon thread would keep the stages'
         // own parallel loops from running.
         std::thread::scope(|scope| {
-            for _ in 0..self.workers() {
-                scope.spawn(|| self.work(&shared));
+            for _ in 0..self.worker_count() {
+                scope.spawn(|| self.run_jobs(&shared));
             }
         });
-        let mut summary = shared.lock().summary;
+        let mut summary = shared.lock_progress().summary;
         summary.skipped = self.jobs.len() - summary.made - summary.kept - summary.failed;
         summary
     }
 
     /// One a core, unless another number is asked for. Their parallel loops share one pool of as many threads.
-    fn workers(&self) -> usize {
+    fn worker_count(&self) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         self.runner.options.jobs.unwrap_or_else(cores).clamp(1, self.jobs.len().max(1))
     }
 
-    fn work(&self, shared: &Shared) {
-        while let Some((next, contents)) = self.take(shared) {
+    fn run_jobs(&self, shared: &Shared) {
+        while let Some((next, contents)) = self.take_job(shared) {
             let job = &self.jobs[next];
             // A record is settled whatever happened to it: the other workers wait for that.
-            let end = catch_unwind(AssertUnwindSafe(|| self.make(job, &contents))).unwrap_or(End::Failed);
+            let end = catch_unwind(AssertUnwindSafe(|| self.run_job(job, &contents))).unwrap_or(End::Failed);
             if let End::Elsewhere(process) = end {
-                self.leave(shared, next, &process);
+                self.leave_job(shared, next, &process);
                 continue;
             }
-            let skipped = self.settle(shared, job, end);
+            let skipped = self.settle_job(shared, job, end);
             // Printing may block for as long as the reader likes, and so is done without the lock.
             skipped.iter().for_each(|(id, needs)| self.report.skipped(id, needs));
         }
     }
 
     /// Waits for a record that can be begun; returns it with the contents of those that exist, or none when nothing is left to do.
-    fn take(&self, shared: &Shared) -> Option<(usize, BTreeMap<RecordId, String>)> {
-        let mut progress = shared.lock();
+    fn take_job(&self, shared: &Shared) -> Option<(usize, BTreeMap<RecordId, String>)> {
+        let mut progress = shared.lock_progress();
         loop {
-            if let Some(next) = self.ready(&progress) {
+            if let Some(next) = self.next_ready(&progress) {
                 progress.waiting.remove(&next);
                 progress.elsewhere.remove(&next);
                 progress.running += 1;
@@ -151,9 +151,9 @@ impl<U: Universe> Pool<'_, U> {
     }
 
     /// Leaves a record to the process that is making it.
-    fn leave(&self, shared: &Shared, job: usize, process: &Process) {
-        let mut progress = shared.lock();
-        self.end(&mut progress, &self.jobs[job]);
+    fn leave_job(&self, shared: &Shared, job: usize, process: &Process) {
+        let mut progress = shared.lock_progress();
+        self.release_job(&mut progress, &self.jobs[job]);
         progress.waiting.insert(job);
         progress.elsewhere.insert(job, Instant::now() + POLL);
         let first = progress.reported.insert(job);
@@ -167,23 +167,23 @@ impl<U: Universe> Pool<'_, U> {
     }
 
     /// Enters the result of a record; returns the records that cannot be made because of it, each with one that it reads.
-    fn settle(&self, shared: &Shared, job: &Job<U>, end: End) -> Vec<(RecordId, RecordId)> {
-        let mut progress = shared.lock();
-        self.end(&mut progress, job);
+    fn settle_job(&self, shared: &Shared, job: &Job<U>, end: End) -> Vec<(RecordId, RecordId)> {
+        let mut progress = shared.lock_progress();
+        self.release_job(&mut progress, job);
         progress.stopped |= matches!(end, End::Failed) && !self.runner.options.keep_going;
-        progress.settle(&job.id, end);
+        progress.enter_result(&job.id, end);
         let skipped = self.skip_dependents(&mut progress);
         shared.changed.notify_all();
         skipped
     }
 
-    fn end(&self, progress: &mut Progress, job: &Job<U>) {
+    fn release_job(&self, progress: &mut Progress, job: &Job<U>) {
         progress.running -= 1;
         progress.memory -= self.budget.expected(job.id.stage);
     }
 
     /// The next record that can be begun; none while another is in progress and memory is short.
-    fn ready(&self, progress: &Progress) -> Option<usize> {
+    fn next_ready(&self, progress: &Progress) -> Option<usize> {
         if progress.stopped {
             return None;
         }
@@ -209,10 +209,10 @@ impl<U: Universe> Pool<'_, U> {
         skipped
     }
 
-    fn make(&self, job: &Job<U>, contents: &BTreeMap<RecordId, String>) -> End {
+    fn run_job(&self, job: &Job<U>, contents: &BTreeMap<RecordId, String>) -> End {
         // A stage that panics fails alone: its record is whole or absent, so nothing else can have been harmed.
         let make = || self.keep_or_make(job, contents);
-        let ended = catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| Err(panicked(&*panic)));
+        let ended = catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| Err(panic_diagnostic(&*panic)));
         ended.unwrap_or_else(|diagnostic| {
             self.report.failed(&self.with_picture(&job.id, diagnostic).of(&job.id));
             End::Failed
@@ -224,11 +224,11 @@ impl<U: Universe> Pool<'_, U> {
         let Some(picture) = diagnostic.picture.take() else { return diagnostic };
         let path = self.runner.folders.picture(id);
         let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
-        let seen = match folder.and_then(|()| std::fs::write(&path, picture)) {
+        let location = match folder.and_then(|()| std::fs::write(&path, picture)) {
             Ok(()) => self.runner.folders.display(&path),
             Err(e) => format!("its picture could not be written: {e}"),
         };
-        diagnostic.notes.push(format!("see: {seen}"));
+        diagnostic.notes.push(format!("see: {location}"));
         diagnostic
     }
 
@@ -241,7 +241,7 @@ impl<U: Universe> Pool<'_, U> {
             return Ok(End::Elsewhere(process));
         }
         let now = made_from(self.runner, job, contents, self.hashes)?;
-        if let Some(end) = self.keep(job, state(self.runner, job, &now, self.hashes))? {
+        if let Some(end) = self.keep_current(job, state(self.runner, job, &now, self.hashes))? {
             return Ok(end);
         }
         match self.holder.ask(&path)? {
@@ -250,8 +250,8 @@ impl<U: Universe> Pool<'_, U> {
         }
     }
 
-    fn keep(&self, job: &Job<U>, found: State) -> Result<Option<End>> {
-        match found {
+    fn keep_current(&self, job: &Job<U>, state: State) -> Result<Option<End>> {
+        match state {
             State::Kept(manifest) if !(self.forced)(job) => {
                 exhibit::write(self.runner, job, &manifest)?;
                 self.report.kept(&job.id);
@@ -269,11 +269,11 @@ impl<U: Universe> Pool<'_, U> {
     ) -> Result<End> {
         lock.sweep();
         // Another process may have made it since it was found stale.
-        let found = state(self.runner, job, &now, self.hashes);
-        if let State::Damaged(damage) = &found {
+        let current = state(self.runner, job, &now, self.hashes);
+        if let State::Damaged(damage) = &current {
             self.report.warn(&format!("record `{}` is made again: {damage}", job.id));
         }
-        if let Some(end) = self.keep(job, found)? {
+        if let Some(end) = self.keep_current(job, current)? {
             return Ok(end);
         }
         let manifest = self.make_record(lock, (job, now), contents)?;
@@ -293,7 +293,7 @@ impl<U: Universe> Pool<'_, U> {
         let reader = KeyedReader { store: &store, contents };
         let raw = job.inputs.as_ref().map_or(&[][..], |i| &i.raw);
         let context = RunContext::new(&runner.folders, raw, self.report.begin(&job.id));
-        let meter = Meter::begin(self.workers() == 1);
+        let meter = Meter::begin(self.worker_count() == 1);
         let product = (job.entry.make)(&runner.universe, &job.id.subject, &runner.settings, &reader, &context)?;
         let (manifest, files) = Manifest::of(now, product, context.seconds(), meter.end());
         store.write(&job.id, (&manifest, &files), lock)?;
@@ -302,7 +302,7 @@ impl<U: Universe> Pool<'_, U> {
 }
 
 impl Progress {
-    fn settle(&mut self, id: &RecordId, end: End) {
+    fn enter_result(&mut self, id: &RecordId, end: End) {
         match end {
             End::Made(content) => {
                 self.summary.made += 1;
@@ -321,8 +321,8 @@ impl Progress {
     }
 }
 
-fn panicked(panic: &(dyn Any + Send)) -> Diagnostic {
+fn panic_diagnostic(panic: &(dyn Any + Send)) -> Diagnostic {
     let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
-    let why = format!("an assertion about its own computation did not hold: {}", text.unwrap_or("no message"));
-    Diagnostic::new("the stage panicked", why, "report it with the recordings; other records are not affected")
+    let reason = format!("an assertion about its own computation did not hold: {}", text.unwrap_or("no message"));
+    Diagnostic::new("the stage panicked", reason, "report it with the recordings; other records are not affected")
 }

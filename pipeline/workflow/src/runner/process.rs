@@ -33,11 +33,11 @@ impl Process {
     /// This process.
     pub fn this() -> Self {
         let (pid, now) = (std::process::id(), SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default());
-        let (host, machine) = (host(), machine());
-        let started = started(pid).unwrap_or_default();
+        let (host, machine) = (host_name(), boot_and_namespace());
+        let started = start_time(pid).unwrap_or_default();
         let moment = short_hash(&format!("{} {:?}", now.as_nanos(), std::thread::current().id()));
-        let token = format!("{}-{pid}-{}-{moment}", place(&host, &machine), short_hash(&started));
-        Self { token, host, machine, system: system(), pid, started, since: now.as_secs() }
+        let token = format!("{}-{pid}-{}-{moment}", machine_hash(&host, &machine), short_hash(&started));
+        Self { token, host, machine, system: machine_identity(), pid, started, since: now.as_secs() }
     }
 
     /// Whoever left a lock that is not understood.
@@ -71,14 +71,14 @@ impl Process {
     pub(super) fn has_ended_here(&self, token: &str) -> bool {
         let parts: Vec<&str> = token.split('-').collect();
         let [machine, pid, start, _] = parts[..] else { return false };
-        let here = !self.started.is_empty() && machine == place(&self.host, &self.machine);
-        let runs = |pid: u32| started(pid).is_some_and(|started| short_hash(&started) == start);
-        here && pid.parse().is_ok_and(|pid| !runs(pid))
+        let same_machine = !self.started.is_empty() && machine == machine_hash(&self.host, &self.machine);
+        let runs = |pid: u32| start_time(pid).is_some_and(|started| short_hash(&started) == start);
+        same_machine && pid.parse().is_ok_and(|pid| !runs(pid))
     }
 
     /// Whether it runs, asked on its own machine.
     pub fn runs(&self) -> bool {
-        started(self.pid).is_some_and(|started| started == self.started)
+        start_time(self.pid).is_some_and(|started| started == self.started)
     }
 }
 
@@ -92,7 +92,7 @@ impl std::fmt::Display for Process {
 }
 
 /// A machine in a token.
-fn place(host: &str, machine: &str) -> String {
+fn machine_hash(host: &str, machine: &str) -> String {
     short_hash(&format!("{host} {machine}"))
 }
 
@@ -101,11 +101,11 @@ fn short_hash(text: &str) -> String {
 }
 
 /// The start of a process that runs; none of one that has ended.
-fn started(pid: u32) -> Option<String> {
+fn start_time(pid: u32) -> Option<String> {
     if cfg!(target_os = "linux") {
         return of_stat(&fs::read_to_string(format!("/proc/{pid}/stat")).ok()?);
     }
-    output("ps", &["-o", "lstart=", "-p", &pid.to_string()])
+    program_output("ps", &["-o", "lstart=", "-p", &pid.to_string()])
 }
 
 /// The start in a line of `/proc/PID/stat`; none of a process that has ended and waits for its parent.
@@ -117,26 +117,26 @@ fn of_stat(line: &str) -> Option<String> {
     fields.nth(18).filter(|_| !matches!(state, "Z" | "X")).map(str::to_owned)
 }
 
-fn host() -> String {
+fn host_name() -> String {
     let name = fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
-    name.or_else(|| output("hostname", &[])).unwrap_or_default()
+    name.or_else(|| program_output("hostname", &[])).unwrap_or_default()
 }
 
 /// What systemd and D-Bus call a machine's identity (machine-id(5)), as a hash: it is not to be shown outside.
-fn system() -> String {
+fn machine_identity() -> String {
     let identity =
         ["/etc/machine-id", "/var/lib/dbus/machine-id"].iter().find_map(|path| fs::read_to_string(path).ok());
     identity.filter(|text| !text.trim().is_empty()).map_or_else(String::new, |text| short_hash(text.trim()))
 }
 
-fn machine() -> String {
+fn boot_and_namespace() -> String {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     let namespace = fs::read_link("/proc/self/ns/pid").unwrap_or_default();
     format!("{} {}", boot.trim(), namespace.display()).trim().to_owned()
 }
 
 /// What a program prints; none where it fails or prints nothing.
-fn output(program: &str, arguments: &[&str]) -> Option<String> {
+fn program_output(program: &str, arguments: &[&str]) -> Option<String> {
     // Dates are the same text whatever the language and the time zone of the process that asks.
     let ended = Command::new(program).args(arguments).env("LC_ALL", "C").env("TZ", "UTC").output().ok()?;
     let text = String::from_utf8_lossy(&ended.stdout).trim().to_owned();
@@ -163,24 +163,24 @@ mod tests {
         let container = Process { machine: "boot pid:[2]".into(), ..this.clone() };
         assert!(!container.is_of_an_earlier_boot(&this), "it runs beside this one");
         let host = "another".to_owned();
-        for other in [Process { host, ..earlier.clone() }, Process { system: String::new(), ..earlier }] {
-            assert!(!other.is_of_an_earlier_boot(&this));
+        for process in [Process { host, ..earlier.clone() }, Process { system: String::new(), ..earlier }] {
+            assert!(!process.is_of_an_earlier_boot(&this));
         }
     }
 
     #[test]
     fn a_process_that_has_ended_does_not_run_before_its_parent_knows_either() {
         let mut child = Command::new("sleep").arg("60").spawn().unwrap();
-        let own = Process { pid: child.id(), started: started(child.id()).unwrap(), ..Process::this() };
-        assert!(own.runs());
+        let process = Process { pid: child.id(), started: start_time(child.id()).unwrap(), ..Process::this() };
+        assert!(process.runs());
         child.kill().unwrap();
         let gone = (0..500).any(|_| {
             std::thread::sleep(std::time::Duration::from_millis(2));
-            !own.runs()
+            !process.runs()
         });
         assert!(gone);
         child.wait().unwrap();
-        assert!(!own.runs());
+        assert!(!process.runs());
     }
 
     #[test]
@@ -188,8 +188,8 @@ mod tests {
         let this = Process::this();
         assert!(!this.has_ended_here(&Process::this().token));
         let mut child = Command::new("sleep").arg("60").spawn().unwrap();
-        let start = short_hash(&started(child.id()).unwrap());
-        let token = format!("{}-{}-{start}-0", place(&this.host, &this.machine), child.id());
+        let start = short_hash(&start_time(child.id()).unwrap());
+        let token = format!("{}-{}-{start}-0", machine_hash(&this.host, &this.machine), child.id());
         assert!(!this.has_ended_here(&token));
         child.kill().unwrap();
         child.wait().unwrap();

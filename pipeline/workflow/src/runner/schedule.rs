@@ -29,13 +29,13 @@ pub(super) fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], workers: &[
         jobs.iter().map(|job| store.measured(&job.id).map(|measured| measured.seconds)).collect();
     let tasks = Tasks::of(jobs, measured.iter().map(|seconds| seconds.unwrap_or(0.0)).collect());
     let mut text = String::new();
-    let one = tasks.makespan(1);
+    let sequential = tasks.makespan(1);
     for &count in workers {
         let lasts = tasks.makespan(count);
         writeln!(
             text,
             "{count:>4} workers: {lasts:9.1} s, {:5.1} times as fast as one",
-            one / lasts.max(f64::MIN_POSITIVE)
+            sequential / lasts.max(f64::MIN_POSITIVE)
         )
         .expect("a string takes any text");
     }
@@ -55,8 +55,8 @@ impl Tasks {
         let places: BTreeMap<&RecordId, usize> = jobs.iter().enumerate().map(|(k, job)| (&job.id, k)).collect();
         let (mut readers, mut reads) = (vec![Vec::new(); jobs.len()], vec![0; jobs.len()]);
         for (k, job) in jobs.iter().enumerate() {
-            for from in job.reads().iter().filter_map(|id| places.get(id)) {
-                readers[*from].push(k);
+            for input in job.reads().iter().filter_map(|id| places.get(id)) {
+                readers[*input].push(k);
                 reads[k] += 1;
             }
         }
@@ -64,7 +64,7 @@ impl Tasks {
     }
 
     /// From the beginning of each record to the end of the longest chain that begins with it, s. Records come after those that they read.
-    fn remaining(&self) -> Vec<f64> {
+    fn remaining_seconds(&self) -> Vec<f64> {
         let mut remaining = self.seconds.clone();
         for k in (0..remaining.len()).rev() {
             remaining[k] += self.readers[k].iter().map(|&next| remaining[next]).fold(0.0, f64::max);
@@ -73,8 +73,9 @@ impl Tasks {
     }
 
     fn longest_chain(&self) -> Vec<usize> {
-        let remaining = self.remaining();
-        let longest = |of: &mut dyn Iterator<Item = usize>| of.max_by(|&a, &b| remaining[a].total_cmp(&remaining[b]));
+        let remaining = self.remaining_seconds();
+        let longest =
+            |records: &mut dyn Iterator<Item = usize>| records.max_by(|&a, &b| remaining[a].total_cmp(&remaining[b]));
         let mut chain: Vec<usize> = longest(&mut (0..remaining.len())).into_iter().collect();
         while let Some(next) = chain.last().and_then(|&last| longest(&mut self.readers[last].iter().copied())) {
             chain.push(next);
@@ -84,7 +85,7 @@ impl Tasks {
 
     /// When the last record ends, s.
     fn makespan(&self, workers: usize) -> f64 {
-        let remaining = self.remaining();
+        let remaining = self.remaining_seconds();
         let mut missing = self.reads.clone();
         let free = |k: usize| Waiting { rank: remaining[k], record: k };
         let mut ready: BinaryHeap<Waiting> = (0..missing.len()).filter(|&k| missing[k] == 0).map(free).collect();
@@ -153,7 +154,7 @@ mod tests {
     #[test]
     fn the_longest_chain_is_named_in_its_order() {
         assert_eq!(tasks().longest_chain(), [0, 1]);
-        assert_eq!(tasks().remaining(), [5.0, 2.0, 2.0, 2.0, 2.0]);
+        assert_eq!(tasks().remaining_seconds(), [5.0, 2.0, 2.0, 2.0, 2.0]);
     }
 
     /// Records of 3 s and 1 s, and one of 2 s that reads both of them and one that lies elsewhere.
@@ -168,10 +169,10 @@ mod tests {
     #[test]
     fn records_that_were_never_made_count_as_nothing_and_are_counted() {
         let root = std::env::temp_dir().join(format!("schedule-{}", std::process::id()));
-        let said = text(&crate::testing::runner(&root), &[job("a", &[], &[]), job("all", &[], &["a"])], &[1, 16]);
-        let lines: Vec<&str> = said.lines().map(str::trim_start).collect();
-        assert!(lines[0].starts_with("1 workers:") && lines[1].starts_with("16 workers:"), "{said}");
-        assert!(lines[2].starts_with("critical path, 0.0 s: nothing/"), "{said}");
+        let schedule = text(&crate::testing::runner(&root), &[job("a", &[], &[]), job("all", &[], &["a"])], &[1, 16]);
+        let lines: Vec<&str> = schedule.lines().map(str::trim_start).collect();
+        assert!(lines[0].starts_with("1 workers:") && lines[1].starts_with("16 workers:"), "{schedule}");
+        assert!(lines[2].starts_with("critical path, 0.0 s: nothing/"), "{schedule}");
         assert_eq!(lines[3], "2 of 2 records have never been made and count as 0 s");
     }
 }

@@ -47,7 +47,7 @@ pub(super) fn present<'a, U: Universe>(
     let inputs = job.inputs.as_ref().map_err(|diagnostic| diagnostic.clone().of(&job.id))?;
     let mut raw = BTreeMap::new();
     for file in &inputs.raw {
-        raw.insert(&*file.path, hash(runner, file, hashes).map_err(|diagnostic| diagnostic.of(&job.id))?);
+        raw.insert(&*file.path, hash_recording(runner, file, hashes).map_err(|diagnostic| diagnostic.of(&job.id))?);
     }
     let content = |id: &RecordId| (id.to_string(), contents.get(id).map_or("", String::as_str));
     Ok(Present {
@@ -65,8 +65,8 @@ pub fn state<U: Universe>(runner: &Runner<U>, job: &Job<U>, now: &MadeFrom, hash
 }
 
 /// Compares what was found with what a job would be made from now.
-pub fn judged(found: Found, now: &MadeFrom) -> State {
-    match found {
+pub fn judged(stored: Found, now: &MadeFrom) -> State {
+    match stored {
         Found::Nothing => State::Stale(vec!["it was never made".into()]),
         Found::Damaged(damage) => State::Damaged(damage),
         Found::Whole(manifest) if manifest.key == now.key() => State::Kept(manifest),
@@ -74,7 +74,7 @@ pub fn judged(found: Found, now: &MadeFrom) -> State {
     }
 }
 
-fn hash<U: Universe>(runner: &Runner<U>, file: &RawFile, hashes: &Hashes) -> Result<String> {
+fn hash_recording<U: Universe>(runner: &Runner<U>, file: &RawFile, hashes: &Hashes) -> Result<String> {
     let path = runner.folders.raw_file(&file.path);
     let read = match hashes.of(&path) {
         Err(_) if path.is_dir() => hash_folder(&path, hashes),
@@ -96,13 +96,13 @@ fn hash_folder(path: &Path, hashes: &Hashes) -> std::io::Result<String> {
     let entries = std::fs::read_dir(path)?.map(|entry| entry.map(|e| e.path()));
     let mut files = entries.collect::<std::io::Result<Vec<PathBuf>>>()?;
     files.sort();
-    let mut whole = blake3::Hasher::new();
+    let mut hasher = blake3::Hasher::new();
     for file in files.iter().filter(|file| file.is_file()) {
-        whole.update(file.file_name().unwrap_or_default().as_encoded_bytes()).update(hashes.of(file)?.as_bytes());
+        hasher.update(file.file_name().unwrap_or_default().as_encoded_bytes()).update(hashes.of(file)?.as_bytes());
     }
-    Ok(whole.finalize().to_hex().to_string())
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
-fn group_of(place: &str) -> &str {
-    place.split('/').next().unwrap_or(place)
+fn group_of(path: &str) -> &str {
+    path.split('/').next().unwrap_or(path)
 }

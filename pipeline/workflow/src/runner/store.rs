@@ -66,7 +66,7 @@ impl<'a> Store<'a> {
     /// Finds a record and checks each of its files against its hash, as `hashes` have it.
     pub(crate) fn find_with<M: Sealed>(&self, id: &RecordId, hashes: &Hashes) -> Found<M> {
         let folder = self.folders.record(id);
-        let manifest = match manifest(&folder) {
+        let manifest = match read_manifest(&folder) {
             Ok(Some(manifest)) => manifest,
             Ok(None) => return Found::Nothing,
             Err(damage) => return Found::Damaged(damage),
@@ -79,7 +79,7 @@ impl<'a> Store<'a> {
 
     /// What a record's making used; none where there is no record. Its files are not read.
     pub(crate) fn measured(&self, id: &RecordId) -> Option<Measured> {
-        let manifest: Manifest = manifest(&self.folders.record(id)).ok()??;
+        let manifest: Manifest = read_manifest(&self.folders.record(id)).ok()??;
         let (Usage { cpu_seconds, peak_memory, .. }, seconds) = (manifest.usage, manifest.seconds);
         Some(Measured { seconds, cpu_seconds, peak_memory })
     }
@@ -100,7 +100,7 @@ impl<'a> Store<'a> {
 
     fn write_whole(&self, id: &RecordId, (manifest, files): Whole<'_>, lock: &Lock<'_>) -> io::Result<()> {
         let unfinished = self.folders.unfinished(id);
-        remove(&unfinished)?;
+        remove_folder(&unfinished)?;
         fs::create_dir_all(&unfinished)?;
         for (name, bytes) in files.contents().chain(files.durations_files()) {
             write_synced(&unfinished.join(name), bytes)?;
@@ -111,42 +111,42 @@ impl<'a> Store<'a> {
             return Err(io::Error::other("this process gave no sign of life for so long that another took its place"));
         }
         let (record, outdated) = (self.folders.record(id), self.folders.outdated(id));
-        remove(&outdated)?;
+        remove_folder(&outdated)?;
         if record.exists() {
             fs::rename(&record, &outdated)?;
         }
         fs::rename(&unfinished, &record)?;
-        remove(&outdated)
+        remove_folder(&outdated)
     }
 }
 
 impl Store<'_> {
     /// A record's content and files.
-    fn read(&self, id: &RecordId) -> Result<(String, RecordFiles)> {
+    fn read_record(&self, id: &RecordId) -> Result<(String, RecordFiles)> {
         let locked = || self.folders.record_lock(id).exists();
-        let mut why = String::new();
+        let mut reason = String::new();
         for _ in 0..TRIES {
             let was_locked = locked();
             match self.read_once(id) {
                 Ok(read) => return Ok(read),
-                Err(e) => why = e,
+                Err(e) => reason = e,
             }
             if !was_locked && !locked() {
                 break;
             }
             std::thread::sleep(PAUSE);
         }
-        Err(gone(id, &why))
+        Err(unusable_record(id, &reason))
     }
 
     fn read_once(&self, id: &RecordId) -> Result<(String, RecordFiles), String> {
         let folder = self.folders.record(id);
-        let manifest: Manifest = manifest(&folder)?.ok_or("there is no such record")?;
+        let manifest: Manifest = read_manifest(&folder)?.ok_or("there is no such record")?;
         let read = |files: RecordFiles, (name, hash): (&String, &String)| {
             let bytes = input::read(&folder.join(name), input::MESH);
             let bytes = bytes.map_err(|e| format!("its {name} cannot be read ({e})"))?;
-            let whole = *blake3::hash(&bytes).to_hex() == **hash;
-            whole.then(|| files.file(name, bytes)).ok_or_else(|| other_bytes(name))
+            let intact = *blake3::hash(&bytes).to_hex() == **hash;
+            intact.then(|| files.file(name, bytes)).ok_or_else(|| other_bytes(name))
         };
         let files = manifest.files.iter().try_fold(RecordFiles::default(), read)?;
         Ok((manifest.content, files))
@@ -155,7 +155,7 @@ impl Store<'_> {
 
 impl RecordReader for Store<'_> {
     fn files(&self, id: &RecordId) -> Result<RecordFiles> {
-        Ok(self.read(id)?.1)
+        Ok(self.read_record(id)?.1)
     }
 }
 
@@ -169,17 +169,17 @@ pub(crate) struct KeyedReader<'a> {
 
 impl RecordReader for KeyedReader<'_> {
     fn files(&self, id: &RecordId) -> Result<RecordFiles> {
-        let (content, files) = self.store.read(id)?;
+        let (content, files) = self.store.read_record(id)?;
         let same = self.contents.get(id).is_some_and(|expected| *expected == content);
         same.then_some(files).ok_or_else(|| {
-            let what = format!("record `{id}` was replaced while its reader was being made");
-            Diagnostic::new(what, "another run made it again to another content", "run again")
+            let problem = format!("record `{id}` was replaced while its reader was being made");
+            Diagnostic::new(problem, "another run made it again to another content", "run again")
         })
     }
 }
 
 /// The manifest in a record's folder; none where there is no record, or an empty folder: a workflow engine makes that before its job.
-fn manifest<M: Sealed>(folder: &Path) -> Result<Option<M>, String> {
+fn read_manifest<M: Sealed>(folder: &Path) -> Result<Option<M>, String> {
     let empty = || fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none());
     match input::read_text(&folder.join(FILE), input::LOG) {
         Ok(text) => parse(&text).map(Some),
@@ -200,13 +200,13 @@ fn other_bytes(name: &str) -> String {
     format!("the bytes of its {name} are not those that were written")
 }
 
-fn remove(folder: &Path) -> io::Result<()> {
+fn remove_folder(folder: &Path) -> io::Result<()> {
     match fs::remove_dir_all(folder) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => Err(e),
         _ => Ok(()),
     }
 }
 
-fn gone(id: &RecordId, why: &str) -> Diagnostic {
-    Diagnostic::new(format!("record `{id}` cannot be used"), why, format!("study run {}", id.stage))
+fn unusable_record(id: &RecordId, reason: &str) -> Diagnostic {
+    Diagnostic::new(format!("record `{id}` cannot be used"), reason, format!("study run {}", id.stage))
 }

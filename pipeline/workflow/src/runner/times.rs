@@ -28,32 +28,32 @@ struct StageTime<'a> {
 
 /// One line a stage in the order of the pipeline, then the sum.
 pub(super) fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
-    let (store, kept) = (Store::new(&runner.folders), plan::kept(runner, jobs));
-    let records: Vec<Record> = jobs.iter().map(|job| planned_record(job, &store, &kept)).collect();
-    table(&records)
+    let (store, up_to_date) = (Store::new(&runner.folders), plan::up_to_date(runner, jobs));
+    let records: Vec<Record> = jobs.iter().map(|job| planned_record(job, &store, &up_to_date)).collect();
+    format_table(&records)
 }
 
-fn planned_record<'a, U: Universe>(job: &'a Job<U>, store: &Store, kept: &BTreeSet<RecordId>) -> Record<'a> {
+fn planned_record<'a, U: Universe>(job: &'a Job<U>, store: &Store, up_to_date: &BTreeSet<RecordId>) -> Record<'a> {
     let measured = store.measured(&job.id);
     let (seconds, peak_memory) = (measured.map(|m| m.seconds), measured.and_then(|m| m.peak_memory));
-    Record { id: &job.id, seconds, peak_memory, left: !kept.contains(&job.id) }
+    Record { id: &job.id, seconds, peak_memory, left: !up_to_date.contains(&job.id) }
 }
 
-fn table(records: &[Record]) -> String {
+fn format_table(records: &[Record]) -> String {
     let total = StageTime { stage: "all", records: records.iter().collect() };
     let mut text = format!(
         "{:<20} {:>7} {:>6} {:>10} {:>6} {:>9}  longest record\n",
         "stage", "records", "left", "time (s)", "share", "MiB"
     );
     for stage in by_stage(records).iter().chain([&total]) {
-        writeln!(text, "{}", stage.line(total.seconds())).expect("a string takes any text");
+        writeln!(text, "{}", stage.table_row(total.total_seconds())).expect("a string takes any text");
     }
-    let left = total.records.iter().filter(|record| record.left);
-    let (known, unknown): (Vec<&&Record>, Vec<&&Record>) = left.partition(|record| record.seconds.is_some());
-    let before: f64 = known.iter().filter_map(|record| record.seconds).sum();
-    let count = known.len() + unknown.len();
-    let never = if unknown.is_empty() { String::new() } else { format!("; {} were never made", unknown.len()) };
-    write!(text, "left to make: {count} of {} records, which took {before:.1} s before{never}", records.len())
+    let remaining = total.records.iter().filter(|record| record.left);
+    let (measured, unmeasured): (Vec<&&Record>, Vec<&&Record>) = remaining.partition(|record| record.seconds.is_some());
+    let seconds: f64 = measured.iter().filter_map(|record| record.seconds).sum();
+    let count = measured.len() + unmeasured.len();
+    let never = if unmeasured.is_empty() { String::new() } else { format!("; {} were never made", unmeasured.len()) };
+    write!(text, "left to make: {count} of {} records, which took {seconds:.1} s before{never}", records.len())
         .expect("a string takes any text");
     text
 }
@@ -71,24 +71,24 @@ fn by_stage<'a>(records: &'a [Record<'a>]) -> Vec<StageTime<'a>> {
 }
 
 impl StageTime<'_> {
-    fn seconds(&self) -> f64 {
+    fn total_seconds(&self) -> f64 {
         // a sum of nothing would be printed as -0.0
         self.records.iter().filter_map(|record| record.seconds).fold(0.0, |sum, seconds| sum + seconds)
     }
 
-    fn line(&self, total: f64) -> String {
+    fn table_row(&self, total: f64) -> String {
         let measured = self.records.iter().filter_map(|record| Some((record.seconds?, record.id)));
         let longest = measured.max_by(|a, b| a.0.total_cmp(&b.0));
         let longest = longest.map_or_else(|| "–".to_owned(), |(seconds, id)| format!("{id} {seconds:.1} s"));
         let peak = self.records.iter().filter_map(|record| record.peak_memory).reduce(f64::max);
         let peak = peak.map_or_else(|| "–".to_owned(), |peak| format!("{peak:.0}"));
-        let left = self.records.iter().filter(|record| record.left).count();
-        let share = 100.0 * self.seconds() / total.max(f64::MIN_POSITIVE);
+        let remaining = self.records.iter().filter(|record| record.left).count();
+        let share = 100.0 * self.total_seconds() / total.max(f64::MIN_POSITIVE);
         format!(
-            "{:<20} {:>7} {left:>6} {:>10.1} {share:>5.1}% {peak:>9}  {longest}",
+            "{:<20} {:>7} {remaining:>6} {:>10.1} {share:>5.1}% {peak:>9}  {longest}",
             self.stage,
             self.records.len(),
-            self.seconds()
+            self.total_seconds()
         )
     }
 }
@@ -104,13 +104,20 @@ mod tests {
     #[test]
     fn stages_stand_in_their_order_with_their_sums_and_what_is_left() {
         let ids = [id("mesh", "a"), id("track", "a"), id("mesh", "b"), id("track", "b")];
-        let of = |k: usize, seconds: Option<f64>, left| Record { id: &ids[k], seconds, peak_memory: seconds, left };
-        let said =
-            table(&[of(0, Some(1.0), false), of(1, Some(6.0), true), of(2, Some(3.0), false), of(3, None, true)]);
-        let lines: Vec<Vec<&str>> = said.lines().map(|line| line.split_whitespace().collect()).collect();
+        let record = |k: usize, seconds: Option<f64>, left| Record { id: &ids[k], seconds, peak_memory: seconds, left };
+        let table_text = format_table(&[
+            record(0, Some(1.0), false),
+            record(1, Some(6.0), true),
+            record(2, Some(3.0), false),
+            record(3, None, true),
+        ]);
+        let lines: Vec<Vec<&str>> = table_text.lines().map(|line| line.split_whitespace().collect()).collect();
         assert_eq!(lines[1], ["mesh", "2", "0", "4.0", "40.0%", "3", "mesh/b", "3.0", "s"]);
         assert_eq!(lines[2], ["track", "2", "2", "6.0", "60.0%", "6", "track/a", "6.0", "s"]);
         assert_eq!(lines[3][..5], ["all", "4", "2", "10.0", "100.0%"]);
-        assert!(said.ends_with("left to make: 2 of 4 records, which took 6.0 s before; 1 were never made"), "{said}");
+        assert!(
+            table_text.ends_with("left to make: 2 of 4 records, which took 6.0 s before; 1 were never made"),
+            "{table_text}"
+        );
     }
 }

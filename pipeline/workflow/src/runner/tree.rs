@@ -26,32 +26,33 @@ pub fn text(graph: &StageGraph, shares: &BTreeMap<&'static str, Share>) -> Strin
     let roots: Vec<usize> = (0..graph.nodes.len()).filter(|node| direct[*node].is_empty()).collect();
     let mut tree = Tree { graph, direct, children, shares, lines: Vec::new() };
     for root in roots {
-        let label = tree.label(root);
+        let label = tree.node_label(root);
         tree.lines.push(label);
-        tree.branch(root, "");
+        tree.add_branch(root, "");
     }
     tree.lines.join("\n")
 }
 
 impl Tree<'_> {
-    fn branch(&mut self, of: usize, indent: &str) {
-        let own = self.children.get(&of).cloned().unwrap_or_default();
-        for (i, child) in own.iter().enumerate() {
-            let last = i + 1 == own.len();
-            let label = self.label(*child);
+    fn add_branch(&mut self, node: usize, indent: &str) {
+        let children = self.children.get(&node).cloned().unwrap_or_default();
+        for (i, child) in children.iter().enumerate() {
+            let last = i + 1 == children.len();
+            let label = self.node_label(*child);
             self.lines.push(format!("{indent}{} {label}", if last { "└─" } else { "├─" }));
-            self.branch(*child, &format!("{indent}{} ", if last { "  " } else { "│ " }));
+            self.add_branch(*child, &format!("{indent}{} ", if last { "  " } else { "│ " }));
         }
     }
 
     /// Its name, its share of records, and what it reads beside the node above it.
-    fn label(&self, node: usize) -> String {
+    fn node_label(&self, node: usize) -> String {
         let name = &self.graph.nodes[node].name;
         let share = self.shares.get(name.as_str()).map_or_else(String::new, |share| format!("  {}", share.in_words()));
         let parent = self.direct[node].iter().max();
-        let others = self.direct[node].iter().filter(|read| Some(*read) != parent);
-        let others: Vec<&str> = others.map(|read| self.graph.nodes[*read].name.as_str()).collect();
-        let others = if others.is_empty() { String::new() } else { format!("  (also reads {})", others.join(", ")) };
-        format!("{name}{share}{others}")
+        let other_inputs = self.direct[node].iter().filter(|read| Some(*read) != parent);
+        let other_inputs: Vec<&str> = other_inputs.map(|read| self.graph.nodes[*read].name.as_str()).collect();
+        let other_inputs =
+            if other_inputs.is_empty() { String::new() } else { format!("  (also reads {})", other_inputs.join(", ")) };
+        format!("{name}{share}{other_inputs}")
     }
 }

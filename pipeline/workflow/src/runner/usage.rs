@@ -67,21 +67,21 @@ impl Meter {
 }
 
 fn cpu_seconds() -> Option<f64> {
-    ticks(&fs::read_to_string("/proc/self/stat").ok()?)
+    parse_cpu_seconds(&fs::read_to_string("/proc/self/stat").ok()?)
 }
 
 fn peak_memory() -> Option<f64> {
-    peak(&fs::read_to_string("/proc/self/status").ok()?)
+    parse_peak_memory(&fs::read_to_string("/proc/self/status").ok()?)
 }
 
 /// User and system time in a line of `/proc/PID/stat`, s: fields 14 and 15.
-fn ticks(line: &str) -> Option<f64> {
+fn parse_cpu_seconds(line: &str) -> Option<f64> {
     let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
     let field = |number: usize| fields.get(number - 3)?.parse::<f64>().ok();
     Some((field(14)? + field(15)?) / TICKS)
 }
 
-fn peak(status: &str) -> Option<f64> {
+fn parse_peak_memory(status: &str) -> Option<f64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1024.0)
 }
@@ -101,9 +101,9 @@ mod tests {
 
     #[test]
     fn time_and_peak_are_read_from_what_the_system_prints() {
-        assert_eq!(ticks("7 (a b) c) S 1 7 7 0 -1 0 0 0 0 0 250 50 0 0 20 0"), Some(3.0));
-        assert_eq!(peak("VmPeak: 9 kB\nVmHWM:\t 2048 kB\n"), Some(2.0));
-        assert_eq!(peak("VmPeak: 9 kB\n"), None);
+        assert_eq!(parse_cpu_seconds("7 (a b) c) S 1 7 7 0 -1 0 0 0 0 0 250 50 0 0 20 0"), Some(3.0));
+        assert_eq!(parse_peak_memory("VmPeak: 9 kB\nVmHWM:\t 2048 kB\n"), Some(2.0));
+        assert_eq!(parse_peak_memory("VmPeak: 9 kB\n"), None);
     }
 
     #[test]

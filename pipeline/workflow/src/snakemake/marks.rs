@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use super::{as_text, below};
 use crate::entry::{Entry, Kind};
-use crate::runner::{Folders, Goal, Job, Runner, kept, write_atomically};
+use crate::runner::{Folders, Goal, Job, Runner, up_to_date, write_atomically};
 use crate::subject::Universe;
 
 /// What is marked as done once numbers, description and page were written; no record has such a name, which would have two parts.
@@ -30,19 +30,19 @@ const DATE: Duration = Duration::from_secs(946_684_800);
 /// A [`Diagnostic`] when the goal is unknown or a file cannot be written.
 pub fn update<U: Universe>(runner: &Runner<U>, folder: &Path, goal: &Goal) -> Result<()> {
     let jobs = runner.jobs_of(goal)?;
-    let (table, text) = (folder.join(TABLE), table(&jobs)?);
+    let (table, text) = (folder.join(TABLE), record_table(&jobs)?);
     if !input::read(&table, input::MESH).is_ok_and(|former| former == text.as_bytes()) {
-        write_atomically(&table, text.as_bytes()).map_err(|e| unwritable(&table, e))?;
+        write_atomically(&table, text.as_bytes()).map_err(|e| write_error(&table, e))?;
     }
-    let kept = kept(runner, &jobs);
+    let up_to_date = up_to_date(runner, &jobs);
     let mut changed = !runner.folders.metrics().is_file();
     for job in &jobs {
         let mark = runner.folders.base().join(mark(&runner.folders, &job.id.to_string()));
-        changed |= set(&mark, kept.contains(&job.id)).map_err(|e| unwritable(&mark, e))?;
+        changed |= set_mark(&mark, up_to_date.contains(&job.id)).map_err(|e| write_error(&mark, e))?;
     }
     if changed {
         let mark = runner.folders.base().join(mark(&runner.folders, PUBLICATION));
-        set(&mark, false).map_err(|e| unwritable(&mark, e))?;
+        set_mark(&mark, false).map_err(|e| write_error(&mark, e))?;
     }
     Ok(())
 }
@@ -53,7 +53,7 @@ pub(super) fn mark(folders: &Folders, record: &str) -> String {
 }
 
 /// The rule that makes each record, and the records that it reads.
-fn table<U: Universe>(jobs: &[Job<U>]) -> Result<String> {
+fn record_table<U: Universe>(jobs: &[Job<U>]) -> Result<String> {
     let row = |job: &Job<U>| {
         let reads: Vec<String> = job.reads().iter().map(ToString::to_string).collect();
         (job.id.to_string(), json!({ "rule": rule_name(job.entry), "reads": reads }))
@@ -71,7 +71,7 @@ pub(super) fn rule_name<U>(entry: &Entry<U>) -> String {
 }
 
 /// Sets or removes a mark; whether it was otherwise before.
-fn set(mark: &PathBuf, is_done: bool) -> io::Result<bool> {
+fn set_mark(mark: &PathBuf, is_done: bool) -> io::Result<bool> {
     let date = UNIX_EPOCH + DATE;
     let mark_date = mark.metadata().and_then(|metadata| metadata.modified()).ok();
     match (mark_date, is_done) {
@@ -82,17 +82,17 @@ fn set(mark: &PathBuf, is_done: bool) -> io::Result<bool> {
             if let Some(folder) = mark.parent() {
                 fs::create_dir_all(folder)?;
             }
-            dated(mark, date)?;
+            set_date(mark, date)?;
             Ok(former.is_none())
         }
     }
 }
 
-fn dated(mark: &PathBuf, date: SystemTime) -> io::Result<()> {
+fn set_date(mark: &PathBuf, date: SystemTime) -> io::Result<()> {
     File::options().create(true).append(true).open(mark)?.set_modified(date)
 }
 
-fn unwritable(path: &Path, error: io::Error) -> Diagnostic {
+fn write_error(path: &Path, error: io::Error) -> Diagnostic {
     Diagnostic::io(path, error, "free some disk space or correct the folder's permissions")
 }
 
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn the_table_holds_what_each_record_reads() {
         let jobs = [job("b/first", &[], &[]), job("all", &[("a/lit.csv", false)], &["b/first"])];
-        let table: Value = serde_json::from_str(&table(&jobs).unwrap()).unwrap();
+        let table: Value = serde_json::from_str(&record_table(&jobs).unwrap()).unwrap();
         let rule = |reads: &[&str]| json!({ "rule": "nothing", "reads": reads });
         assert_eq!(table, json!({ "nothing/b/first": rule(&[]), "nothing/all": rule(&["nothing/b/first"]) }));
     }
@@ -115,11 +115,11 @@ mod tests {
         let mark = root.join(mark(&runner(&root).folders, "mesh/a"));
         assert!(mark.ends_with("data/processed/.made/mesh/a.done"), "{}", mark.display());
         let date = || mark.metadata().unwrap().modified().unwrap();
-        assert!(!set(&mark, false).unwrap() && set(&mark, true).unwrap() && !set(&mark, true).unwrap());
+        assert!(!set_mark(&mark, false).unwrap() && set_mark(&mark, true).unwrap() && !set_mark(&mark, true).unwrap());
         File::options().append(true).open(&mark).unwrap().set_modified(SystemTime::now()).unwrap();
-        assert!(!set(&mark, true).unwrap(), "a job has set it");
+        assert!(!set_mark(&mark, true).unwrap(), "a job has set it");
         assert_eq!(date(), UNIX_EPOCH + DATE);
-        assert!(set(&mark, false).unwrap() && !mark.exists());
+        assert!(set_mark(&mark, false).unwrap() && !mark.exists());
         fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -51,7 +51,7 @@ pub struct Workflow {
 pub fn export<U: Universe>(runner: &Runner<U>, export: &Export) -> Result<Workflow> {
     let jobs = runner.jobs_of(&export.goal)?;
     let folder = export.folder.clone().unwrap_or_else(|| runner.folders.base().join("workflow"));
-    let places = places(&runner.folders, &folder, &export.program)?;
+    let places = relative_places(&runner.folders, &folder, &export.program)?;
     let places = json!({
         "base": places[0], "project": places[1], "program": places[2],
         "profile": runner.profile.name(), "only": export.goal.entries,
@@ -67,11 +67,11 @@ pub fn export<U: Universe>(runner: &Runner<U>, export: &Export) -> Result<Workfl
 /// # Errors
 /// As [`export::write`].
 pub fn write_workflow(folder: &Path, files: [(&str, &str); 2]) -> Result<Workflow> {
-    let own = files.into_iter().map(|(name, text)| ExportedFile::new(name, text));
+    let exported = files.into_iter().map(|(name, text)| ExportedFile::new(name, text));
     // partition, account and limits of a cluster are written into its profile
     let profiles = profiles::ALL.into_iter().map(|(name, text)| ExportedFile::template(name, text));
-    let kept = export::write(folder, &own.chain(profiles).collect::<Vec<_>>())?;
-    Ok(Workflow { folder: folder.to_owned(), kept })
+    let edited = export::write(folder, &exported.chain(profiles).collect::<Vec<_>>())?;
+    Ok(Workflow { folder: folder.to_owned(), kept: edited })
 }
 
 /// A value as the text of a file.
@@ -84,10 +84,10 @@ pub fn as_text(value: &serde_json::Value) -> Result<String> {
 
 /// The profile's folders and the project's folder from the workflow's folder, where they lie around it; the program from the project's
 /// folder, where it lies inside.
-fn places(folders: &Folders, workflow: &Path, program: &Path) -> Result<[String; 3]> {
+fn relative_places(folders: &Folders, workflow: &Path, program: &Path) -> Result<[String; 3]> {
     std::fs::create_dir_all(workflow).map_err(|e| Diagnostic::io(workflow, e, "choose another folder"))?;
-    let whole = |path: &Path| path.canonicalize().map_err(|e| Diagnostic::io(path, e, "report it"));
-    let (workflow, base, project) = (whole(workflow)?, whole(folders.base())?, whole(folders.project())?);
+    let absolute = |path: &Path| path.canonicalize().map_err(|e| Diagnostic::io(path, e, "report it"));
+    let (workflow, base, project) = (absolute(workflow)?, absolute(folders.base())?, absolute(folders.project())?);
     let program = program.canonicalize().unwrap_or_else(|_| program.to_owned());
     let inside = program.strip_prefix(&project).unwrap_or(&program);
     Ok([path_to(&base, &workflow)?, path_to(&project, &workflow)?, path_as_text(inside)?])

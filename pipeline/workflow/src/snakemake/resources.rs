@@ -27,13 +27,15 @@ pub struct Resources {
 impl Resources {
     /// Those of the largest of these records.
     pub fn of(measured: &[Measured]) -> Self {
-        let largest = |of: &dyn Fn(&Measured) -> Option<f64>| measured.iter().filter_map(of).reduce(f64::max);
-        let seconds = largest(&|one| Some(one.seconds));
-        let memory = largest(&|one| one.peak_memory);
+        let largest = |value: &dyn Fn(&Measured) -> Option<f64>| measured.iter().filter_map(value).reduce(f64::max);
+        let seconds = largest(&|record| Some(record.seconds));
+        let memory = largest(&|record| record.peak_memory);
         // The longest record decides: short ones keep few cores busy and end soon.
-        let longest =
-            measured.iter().filter(|one| one.cpu_seconds.is_some()).max_by(|a, b| a.seconds.total_cmp(&b.seconds));
-        let busy = longest.and_then(|one| Some(one.cpu_seconds? / one.seconds.max(1e-3)));
+        let longest = measured
+            .iter()
+            .filter(|record| record.cpu_seconds.is_some())
+            .max_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let busy = longest.and_then(|record| Some(record.cpu_seconds? / record.seconds.max(1e-3)));
         Self {
             threads: busy.map_or(DEFAULT.threads, |cores| cores.round().clamp(1.0, MOST_THREADS) as u64),
             memory: memory.map_or(DEFAULT.memory, |mb| ((MEMORY_MARGIN * mb).ceil() as u64).max(LEAST_MEMORY)),
@@ -43,12 +45,12 @@ impl Resources {
 
     /// In words, with what they are from.
     pub fn in_words(measured: &[Measured]) -> String {
-        let largest = |of: &dyn Fn(&Measured) -> Option<f64>| measured.iter().filter_map(of).reduce(f64::max);
+        let largest = |value: &dyn Fn(&Measured) -> Option<f64>| measured.iter().filter_map(value).reduce(f64::max);
         if measured.is_empty() {
             return "not measured".into();
         }
         let shown = |value: Option<f64>, unit: &str| value.map_or("not measured".into(), |v| format!("{v:.1} {unit}"));
-        let (seconds, memory) = (largest(&|one| Some(one.seconds)), largest(&|one| one.peak_memory));
+        let (seconds, memory) = (largest(&|record| Some(record.seconds)), largest(&|record| record.peak_memory));
         format!("of {} records: at most {}, {}", measured.len(), shown(seconds, "s"), shown(memory, "MB"))
     }
 }

@@ -11,7 +11,8 @@ use crate::subject::Universe;
 pub fn snakefile<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], is_whole: bool) -> String {
     let records = |entry: &Entry<U>| jobs.iter().filter(|job| std::ptr::eq(job.entry, entry)).collect::<Vec<_>>();
     let entries = runner.lists.iter().flat_map(|list| list.iter()).map(|entry| (entry, records(entry)));
-    let entries: Vec<(&Entry<U>, Vec<&Job<U>>)> = entries.filter(|(_, own)| is_whole || !own.is_empty()).collect();
+    let entries: Vec<(&Entry<U>, Vec<&Job<U>>)> =
+        entries.filter(|(_, entry_jobs)| is_whole || !entry_jobs.is_empty()).collect();
     let local = entries.iter().filter(|(entry, _)| entry.kind != Kind::Stage);
     let local = local.map(|(entry, _)| format!(", {}", rule_name(entry)));
     let mut text = HEAD
@@ -19,8 +20,8 @@ pub fn snakefile<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], is_whole: boo
         .replace("TABLE", TABLE)
         .replace("MARK", &mark(&runner.folders, "{record}"))
         .replace("PUBLICATION", PUBLICATION);
-    for (entry, own) in &entries {
-        text += &rule(runner, entry, own);
+    for (entry, entry_jobs) in &entries {
+        text += &rule_text(runner, entry, entry_jobs);
     }
     text
 }
@@ -83,7 +84,7 @@ rule publish:
 "#;
 
 /// A rule; its wildcard is the subject of a record.
-fn rule<U: Universe>(runner: &Runner<U>, entry: &Entry<U>, jobs: &[&Job<U>]) -> String {
+fn rule_text<U: Universe>(runner: &Runner<U>, entry: &Entry<U>, jobs: &[&Job<U>]) -> String {
     let store = Store::new(&runner.folders);
     let measured: Vec<Measured> = jobs.iter().filter_map(|job| store.measured(&job.id)).collect();
     let asked = Resources::of(&measured);

@@ -42,8 +42,8 @@ struct Item {
 
 /// Lays out nodes that read nodes before them, the first `sources` of them in a column of their own.
 pub fn lay_out(reads: &[Vec<usize>], sources: usize) -> Layout {
-    let columns = columns(reads, sources);
-    let (items, chains) = chains(reads, &columns);
+    let columns = node_columns(reads, sources);
+    let (items, chains) = edge_chains(reads, &columns);
     let count = columns.iter().max().map_or(0, |c| c + 1);
     let mut order: Vec<Vec<usize>> =
         (0..count).map(|c| (0..items.len()).filter(|&i| items[i].column == c).collect()).collect();
@@ -51,23 +51,23 @@ pub fn lay_out(reads: &[Vec<usize>], sources: usize) -> Layout {
         // columns are updated one after the other: two updated at once could exchange their order without end
         for step in 0..count {
             let column = if sweep.is_multiple_of(2) { step } else { count - 1 - step };
-            let now = heights(&items, &order);
-            settle(&items, &now, &mut order[column]);
+            let now = item_heights(&items, &order);
+            sort_column(&items, &now, &mut order[column]);
         }
     }
-    let downs = heights(&items, &order);
-    let place = |i: usize| Place { column: items[i].column, down: downs[i] };
-    let tall = |column: &Vec<usize>| column.iter().map(|&i| size(&items[i])).sum::<f64>();
+    let heights = item_heights(&items, &order);
+    let placement = |i: usize| Place { column: items[i].column, down: heights[i] };
+    let tall = |column: &Vec<usize>| column.iter().map(|&i| item_size(&items[i])).sum::<f64>();
     Layout {
-        nodes: (0..reads.len()).map(place).collect(),
-        lines: chains.into_iter().map(|(a, b, between)| (a, b, between.into_iter().map(place).collect())).collect(),
+        nodes: (0..reads.len()).map(placement).collect(),
+        lines: chains.into_iter().map(|(a, b, slots)| (a, b, slots.into_iter().map(placement).collect())).collect(),
         columns: count,
         height: order.iter().map(tall).fold(0.0, f64::max),
     }
 }
 
 /// One column after the last of what each node reads; recordings come first.
-fn columns(reads: &[Vec<usize>], sources: usize) -> Vec<usize> {
+fn node_columns(reads: &[Vec<usize>], sources: usize) -> Vec<usize> {
     let mut columns: Vec<usize> = Vec::new();
     for (i, node) in reads.iter().enumerate() {
         let last = node.iter().map(|&r| columns[r]).max();
@@ -79,27 +79,29 @@ fn columns(reads: &[Vec<usize>], sources: usize) -> Vec<usize> {
 type Chain = (usize, usize, Vec<usize>);
 
 /// Nodes and the slots of long edges, and the slots of each edge.
-fn chains(reads: &[Vec<usize>], columns: &[usize]) -> (Vec<Item>, Vec<Chain>) {
+fn edge_chains(reads: &[Vec<usize>], columns: &[usize]) -> (Vec<Item>, Vec<Chain>) {
     let node = |i: usize| Item { column: columns[i], node: Some(i), near: Vec::new() };
     let mut items: Vec<Item> = (0..reads.len()).map(node).collect();
     let mut chains = Vec::new();
-    for (to, from) in reads.iter().enumerate().flat_map(|(to, node)| node.iter().map(move |&from| (to, from))) {
-        let (mut last, mut between) = (from, Vec::new());
-        for column in columns[from] + 1..columns[to] {
+    for (reader, input) in
+        reads.iter().enumerate().flat_map(|(reader, node)| node.iter().map(move |&input| (reader, input)))
+    {
+        let (mut last, mut slots) = (input, Vec::new());
+        for column in columns[input] + 1..columns[reader] {
             items.push(Item { column, node: None, near: vec![last] });
             let slot = items.len() - 1;
             items[last].near.push(slot);
-            between.push(slot);
+            slots.push(slot);
             last = slot;
         }
-        items[last].near.push(to);
-        items[to].near.push(last);
-        chains.push((from, to, between));
+        items[last].near.push(reader);
+        items[reader].near.push(last);
+        chains.push((input, reader, slots));
     }
     (items, chains)
 }
 
-fn size(item: &Item) -> f64 {
+fn item_size(item: &Item) -> f64 {
     match (item.node, item.column) {
         (None, _) => SLOT,
         (Some(_), 0) => SOURCE,
@@ -108,20 +110,20 @@ fn size(item: &Item) -> f64 {
 }
 
 /// The middle of each item, its column standing around zero.
-fn heights(items: &[Item], order: &[Vec<usize>]) -> Vec<f64> {
+fn item_heights(items: &[Item], order: &[Vec<usize>]) -> Vec<f64> {
     let mut heights = vec![0.0; items.len()];
     for column in order {
-        let mut top = -0.5 * column.iter().map(|&i| size(&items[i])).sum::<f64>();
+        let mut top = -0.5 * column.iter().map(|&i| item_size(&items[i])).sum::<f64>();
         for &i in column {
-            heights[i] = top + 0.5 * size(&items[i]);
-            top += size(&items[i]);
+            heights[i] = top + 0.5 * item_size(&items[i]);
+            top += item_size(&items[i]);
         }
     }
     heights
 }
 
 /// Orders a column by the mean height of each item's neighbours.
-fn settle(items: &[Item], heights: &[f64], column: &mut [usize]) {
+fn sort_column(items: &[Item], heights: &[f64], column: &mut [usize]) {
     let mean = |i: usize| match items[i].near.len() {
         0 => heights[i],
         count => items[i].near.iter().map(|&n| heights[n]).sum::<f64>() / count as f64,
@@ -139,25 +141,25 @@ mod tests {
         let laid = lay_out(&reads, 2);
         for (i, node) in reads.iter().enumerate() {
             assert!(node.iter().all(|&r| laid.nodes[r].column < laid.nodes[i].column));
-            let apart = |j: usize| (laid.nodes[i].down - laid.nodes[j].down).abs();
-            let beside = (0..i).filter(|&j| laid.nodes[j].column == laid.nodes[i].column);
+            let distance = |j: usize| (laid.nodes[i].down - laid.nodes[j].down).abs();
+            let neighbours = (0..i).filter(|&j| laid.nodes[j].column == laid.nodes[i].column);
             // recordings stand closer than stages do
-            assert!(beside.into_iter().all(|j| apart(j) > SOURCE - 1e-9), "{laid:?}");
+            assert!(neighbours.into_iter().all(|j| distance(j) > SOURCE - 1e-9), "{laid:?}");
         }
     }
 
     #[test]
     fn a_long_line_has_a_slot_in_every_column_on_its_way() {
         let laid = lay_out(&[vec![], vec![0], vec![1], vec![0, 2]], 1);
-        let (_, _, between) = laid.lines.iter().find(|(from, to, _)| (*from, *to) == (0, 3)).unwrap();
-        assert_eq!(between.iter().map(|p| p.column).collect::<Vec<_>>(), [1, 2]);
+        let (_, _, slots) = laid.lines.iter().find(|(input, reader, _)| (*input, *reader) == (0, 3)).unwrap();
+        assert_eq!(slots.iter().map(|p| p.column).collect::<Vec<_>>(), [1, 2]);
     }
 
     #[test]
     fn two_lines_that_need_not_cross_do_not() {
         // nodes 2 and 3 read 1 and 0: listed crosswise
         let laid = lay_out(&[vec![], vec![], vec![1], vec![0]], 2);
-        let down = |i: usize| laid.nodes[i].down;
-        assert!((down(0) - down(1)) * (down(3) - down(2)) > 0.0, "{laid:?}");
+        let height = |i: usize| laid.nodes[i].down;
+        assert!((height(0) - height(1)) * (height(3) - height(2)) > 0.0, "{laid:?}");
     }
 }

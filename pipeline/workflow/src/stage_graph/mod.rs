@@ -55,21 +55,21 @@ impl StageGraph {
 
     /// The direct inputs of each node without those implied by others (transitive reduction).
     pub fn direct(&self) -> Vec<Vec<usize>> {
-        let behind = self.behind();
-        let through = |reads: &[usize], of: usize| reads.iter().any(|&other| behind[other].contains(&of));
-        let kept = |node: &Node| node.reads.iter().copied().filter(|&of| !through(&node.reads, of)).collect();
-        self.nodes.iter().map(kept).collect()
+        let ancestors = self.ancestors();
+        let through = |reads: &[usize], input: usize| reads.iter().any(|&read| ancestors[read].contains(&input));
+        let direct = |node: &Node| node.reads.iter().copied().filter(|&input| !through(&node.reads, input)).collect();
+        self.nodes.iter().map(direct).collect()
     }
 
     /// All ancestors of each node.
-    fn behind(&self) -> Vec<BTreeSet<usize>> {
-        let mut behind: Vec<BTreeSet<usize>> = Vec::new();
+    fn ancestors(&self) -> Vec<BTreeSet<usize>> {
+        let mut ancestors: Vec<BTreeSet<usize>> = Vec::new();
         for node in &self.nodes {
-            let own: BTreeSet<usize> = node.reads.iter().copied().filter(|&i| i < behind.len()).collect();
-            let far = own.iter().flat_map(|&i| behind[i].iter().copied()).collect::<BTreeSet<usize>>();
-            behind.push(own.union(&far).copied().collect());
+            let parents: BTreeSet<usize> = node.reads.iter().copied().filter(|&i| i < ancestors.len()).collect();
+            let inherited = parents.iter().flat_map(|&i| ancestors[i].iter().copied()).collect::<BTreeSet<usize>>();
+            ancestors.push(parents.union(&inherited).copied().collect());
         }
-        behind
+        ancestors
     }
 }
 

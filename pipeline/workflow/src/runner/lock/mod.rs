@@ -73,10 +73,10 @@ impl Holder {
             let file = File::options().write(true).open(&path)?;
             Ok((text, file))
         };
-        let (text, file) = write().map_err(|e: io::Error| unwritable(&path, e))?;
+        let (text, file) = write().map_err(|e: io::Error| write_error(&path, e))?;
         let (held, seen) = (Mutex::default(), Mutex::default());
-        let holder = Self { process, file: path, held, seen, heart: Some(beat(file, text)) };
-        holder.sweep(folder);
+        let holder = Self { process, file: path, held, seen, heart: Some(start_heartbeat(file, text)) };
+        holder.remove_abandoned(folder);
         Ok(holder)
     }
 
@@ -85,85 +85,85 @@ impl Holder {
     /// # Errors
     /// A [`Diagnostic`] when its file cannot be made.
     pub fn ask(&self, path: &Path) -> Result<Attempt<'_>> {
-        if !self.held().insert(path.to_owned()) {
+        if !self.held_locks().insert(path.to_owned()) {
             return Ok(Attempt::Busy(self.process.clone()));
         }
         let asked = self.ask_others(path);
         if !matches!(asked, Ok(Attempt::Held(_))) {
-            self.held().remove(path);
+            self.held_locks().remove(path);
         }
         asked
     }
 
     fn ask_others(&self, path: &Path) -> Result<Attempt<'_>> {
         for _ in 0..TRIES {
-            if self.link(path).map_err(|e| unwritable(path, e))? {
+            if self.link_file(path).map_err(|e| write_error(path, e))? {
                 return Ok(Attempt::Held(Lock { holder: self, path: path.to_owned() }));
             }
-            let Some(other) = read(path).map_err(|e| unreadable(path, e))? else { continue };
-            if self.is_alive(&other, path) {
-                return Ok(Attempt::Busy(other));
+            let Some(owner) = read_owner(path).map_err(|e| read_error(path, e))? else { continue };
+            if self.is_alive(&owner, path) {
+                return Ok(Attempt::Busy(owner));
             }
-            let right = match self.ask(&right_to_remove(path, &other))? {
+            let right = match self.ask(&right_to_remove(path, &owner))? {
                 Attempt::Held(right) => right,
                 busy => return Ok(busy),
             };
-            if read(path).is_ok_and(|now| now.is_some_and(|now| now.token == other.token)) {
+            if read_owner(path).is_ok_and(|now| now.is_some_and(|now| now.token == owner.token)) {
                 let _ = fs::remove_file(path);
             }
             drop(right);
         }
-        Err(unwritable(path, io::Error::other("it appears and vanishes")))
+        Err(write_error(path, io::Error::other("it appears and vanishes")))
     }
 
     /// Makes the lock's file; whether it is this process's.
-    fn link(&self, path: &Path) -> io::Result<bool> {
+    fn link_file(&self, path: &Path) -> io::Result<bool> {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
         }
         match fs::hard_link(&self.file, path) {
             Ok(()) => Ok(true),
-            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Ok(self.owns(path)),
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Ok(self.owns_lock(path)),
             Err(e) => Err(e),
         }
     }
 
-    fn owns(&self, path: &Path) -> bool {
-        read(path).is_ok_and(|now| now.is_some_and(|now| now.token == self.process.token))
+    fn owns_lock(&self, path: &Path) -> bool {
+        read_owner(path).is_ok_and(|now| now.is_some_and(|now| now.token == self.process.token))
     }
 
-    fn is_alive(&self, other: &Process, path: &Path) -> bool {
-        if other.is_beside(&self.process) {
-            return other.runs();
+    fn is_alive(&self, owner: &Process, path: &Path) -> bool {
+        if owner.is_beside(&self.process) {
+            return owner.runs();
         }
-        if other.is_of_an_earlier_boot(&self.process) {
+        if owner.is_of_an_earlier_boot(&self.process) {
             return false;
         }
-        let date = |path: &Path| fs::metadata(path).and_then(|seen| seen.modified()).ok();
+        let date = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
         // Both dates are the file server's, since clocks of machines differ. Its own is as old as the last beat.
         let age = |now: SystemTime, then: SystemTime| now.duration_since(then).unwrap_or_else(|ahead| ahead.duration());
         let age = date(&self.file).zip(date(path)).map_or(Duration::MAX, |(now, then)| age(now, then));
-        age < AGE_LIMIT && !(other.is_unknown() && self.seen_for(path).max(age) > AGE_LIMIT_OF_NO_PROCESS)
+        age < AGE_LIMIT && !(owner.is_unknown() && self.seen_for(path).max(age) > AGE_LIMIT_OF_NO_PROCESS)
     }
 
     /// For how long this process has seen a lock that it does not understand. Its own date may be half a minute older than that of the lock.
     fn seen_for(&self, path: &Path) -> Duration {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.entry(path.to_owned()).or_insert_with(Instant::now).elapsed()
+        let mut first_seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        first_seen.entry(path.to_owned()).or_insert_with(Instant::now).elapsed()
     }
 
     /// Removes the files of processes that were killed.
-    fn sweep(&self, folder: &Path) {
+    fn remove_abandoned(&self, folder: &Path) {
         for path in fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let abandoned = |other: Process| self.process.has_ended_here(&name) || !self.is_alive(&other, &path);
-            if read(&path).is_ok_and(|other| other.is_some_and(abandoned)) {
+            let abandoned = |owner: Process| self.process.has_ended_here(&name) || !self.is_alive(&owner, &path);
+            if read_owner(&path).is_ok_and(|owner| owner.is_some_and(abandoned)) {
                 let _ = fs::remove_file(&path);
             }
         }
     }
 
-    fn held(&self) -> std::sync::MutexGuard<'_, BTreeSet<PathBuf>> {
+    fn held_locks(&self) -> std::sync::MutexGuard<'_, BTreeSet<PathBuf>> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -181,7 +181,7 @@ impl Drop for Holder {
 impl Lock<'_> {
     /// Whether it is held still: a process that was suspended for longer than the age limit may have lost it.
     pub fn is_held(&self) -> bool {
-        self.holder.owns(&self.path)
+        self.holder.owns_lock(&self.path)
     }
 
     /// Removes rights to remove former holders of this lock, which killed processes left: none of those can hold it again.
@@ -199,12 +199,12 @@ impl Drop for Lock<'_> {
         if self.is_held() {
             let _ = fs::remove_file(&self.path);
         }
-        self.holder.held().remove(&self.path);
+        self.holder.held_locks().remove(&self.path);
     }
 }
 
 /// The process that holds a lock; none when nobody does. A file that is not understood is held by an unknown process of another machine.
-fn read(path: &Path) -> io::Result<Option<Process>> {
+fn read_owner(path: &Path) -> io::Result<Option<Process>> {
     match path.symlink_metadata().and_then(|metadata| input::regular_file(&metadata)) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
         regular => regular?,
@@ -215,14 +215,14 @@ fn read(path: &Path) -> io::Result<Option<Process>> {
 }
 
 /// The lock that must be held by whoever removes the lock at `path` of an abandoned holder.
-fn right_to_remove(path: &Path, of: &Process) -> PathBuf {
+fn right_to_remove(path: &Path, owner: &Process) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}", of.token));
+    name.push(format!(".{}", owner.token));
     path.with_file_name(name)
 }
 
 /// A thread that writes the same bytes again at intervals, until its sender is dropped.
-fn beat(mut file: File, text: Vec<u8>) -> (Sender<()>, JoinHandle<()>) {
+fn start_heartbeat(mut file: File, text: Vec<u8>) -> (Sender<()>, JoinHandle<()>) {
     let (stop, stopped) = channel();
     let heart = std::thread::spawn(move || {
         while stopped.recv_timeout(HEARTBEAT) == Err(RecvTimeoutError::Timeout) {
@@ -233,12 +233,12 @@ fn beat(mut file: File, text: Vec<u8>) -> (Sender<()>, JoinHandle<()>) {
     (stop, heart)
 }
 
-fn unreadable(path: &Path, error: io::Error) -> Diagnostic {
+fn read_error(path: &Path, error: io::Error) -> Diagnostic {
     let action = format!("remove {}: no lock is one", path.display());
     Diagnostic::new(format!("the lock {} cannot be read", path.display()), &error, action).caused_by(error)
 }
 
-fn unwritable(path: &Path, error: io::Error) -> Diagnostic {
+fn write_error(path: &Path, error: io::Error) -> Diagnostic {
     Diagnostic::new(
         format!("the lock {} cannot be made", path.display()),
         &error,

@@ -54,9 +54,9 @@ fn of_another_machine(process: &mut Process) {
 fn a_lock_is_held_by_one_until_it_is_dropped_and_leaves_nothing() {
     let folder = Folder::new("one");
     let (first, second, path) = (folder.holder(), folder.holder(), folder.0.join("a.lock"));
-    let held = first.ask(&path).unwrap();
+    let lock = first.ask(&path).unwrap();
     assert!(!is_free(&second, &path) && !is_free(&first, &path));
-    drop(held);
+    drop(lock);
     assert!(is_free(&second, &path) && !path.exists());
     drop((first, second));
     assert_eq!(fs::read_dir(folder.0.join("holders")).unwrap().count(), 0);
@@ -128,8 +128,8 @@ fn the_empty_file_of_a_process_that_was_killed_while_it_entered_is_removed_by_th
     let names = [ended, this.token];
     names.iter().for_each(|name| fs::write(folder.0.join("holders").join(name), "").unwrap());
     let _holder = folder.holder();
-    let left = names.map(|name| folder.0.join("holders").join(name).exists());
-    assert_eq!(left, [false, true], "the second is of a process that runs");
+    let remaining = names.map(|name| folder.0.join("holders").join(name).exists());
+    assert_eq!(remaining, [false, true], "the second is of a process that runs");
 }
 
 #[test]
@@ -137,16 +137,16 @@ fn a_process_killed_while_it_removed_an_abandoned_lock_is_followed_by_the_next()
     let folder = Folder::new("chain");
     let holder = folder.holder();
     let path = folder.left(Duration::ZERO, ended);
-    let mut right = read(&path).unwrap().unwrap();
+    let mut right = read_owner(&path).unwrap().unwrap();
     right.token = "right".into();
     let text = serde_json::to_vec(&right).unwrap();
-    fs::write(right_to_remove(&path, &read(&path).unwrap().unwrap()), &text).unwrap();
+    fs::write(right_to_remove(&path, &read_owner(&path).unwrap().unwrap()), &text).unwrap();
     fs::write(folder.0.join("a.lock.gone"), &text).unwrap();
     let Attempt::Held(lock) = holder.ask(&path).unwrap() else { panic!("both of its holders have ended") };
     lock.sweep();
     drop(lock);
-    let left: Vec<_> = fs::read_dir(&folder.0).unwrap().map(|e| e.unwrap().file_name()).collect();
-    assert_eq!(left, ["holders"]);
+    let remaining: Vec<_> = fs::read_dir(&folder.0).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(remaining, ["holders"]);
 }
 
 #[test]
