@@ -26,7 +26,7 @@ impl Canvas {
     }
 
     /// Blends pixel (`x`, `y`), which may lie outside, with `level` by the weight `coverage` (0 to 1).
-    pub fn blend(&mut self, x: i64, y: i64, level: f32, coverage: f32) {
+    pub(crate) fn blend(&mut self, x: i64, y: i64, level: f32, coverage: f32) {
         if x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height {
             let here = &mut self.levels[y as usize * self.width + x as usize];
             *here += coverage * (level - *here);
