@@ -1,6 +1,7 @@
 //! The two sides of a tail: each has a chamber, a valve and a channel of the pressure log.
 
 use lab::card::Experiment;
+use si::Pascal;
 
 /// A side of the tail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +21,14 @@ impl Side {
         match self {
             Self::Left => "left",
             Self::Right => "right",
+        }
+    }
+
+    /// Pressures of both sides (left, right; Pa) when this one alone is filled.
+    pub(crate) fn alone(self, pressure: Pascal) -> [Pascal; 2] {
+        match self {
+            Self::Left => [pressure, 0.0],
+            Self::Right => [0.0, pressure],
         }
     }
 

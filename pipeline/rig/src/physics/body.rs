@@ -83,10 +83,8 @@ impl Body {
 
     /// Pressures of all chambers (Pa) when `side` alone is filled.
     pub(crate) fn one_side(&self, side: Side, pressure: Pascal) -> Vec<Pascal> {
-        match side {
-            Side::Left => self.pressures(pressure, 0.0),
-            Side::Right => self.pressures(0.0, pressure),
-        }
+        let [left, right] = side.alone(pressure);
+        self.pressures(left, right)
     }
 }
 

@@ -59,7 +59,7 @@ pub fn shapes(
     let rest = ([0.0; 2], vec![0.0; 3 * body.mesh.nodes.len()]);
     let swept = [Side::Left, Side::Right].into_iter().zip(sweeps).flat_map(|(side, sweep)| {
         let levels = sweep.pressures.iter().zip(&sweep.shapes).skip(1).step_by(2);
-        levels.map(move |(pressure, shape)| (one_side(side, *pressure), shape.clone()))
+        levels.map(move |(pressure, shape)| (side.alone(*pressure), shape.clone()))
     });
     let both = BOTH_SIDES.par_iter().map(|shares| inflated(body, sweeps, shares.map(|share| share * top)));
     let both: Vec<Inflated> = both.inspect(|_| tick()).collect::<Result<_>>()?;
@@ -71,13 +71,6 @@ pub fn shapes(
     let free: Vec<Inflated> = std::iter::once(rest).chain(swept).chain(both).collect();
     let free: Vec<BodyShape> = free.into_par_iter().map(|held| lateral.directed(held)).collect::<Result<_>>()?;
     Ok(free.into_iter().chain(loaded.into_iter().flatten()).collect())
-}
-
-fn one_side(side: Side, pressure: Pascal) -> [Pascal; 2] {
-    match side {
-        Side::Left => [pressure, 0.0],
-        Side::Right => [0.0, pressure],
-    }
 }
 
 /// The equilibrium under pressures of both sides (left, right; Pa): of one side alone from the nearest shape of its sweep, of both from rest with

@@ -44,10 +44,7 @@ impl FlappingModel<'_> {
         fluid: Option<Fluid>,
     ) -> Result<StaircaseMotion<'a>> {
         let Staircase { side, sweep, trace } = staircase;
-        let pressures = |t: Second| match side {
-            Side::Left => [trace.at(t), 0.0],
-            Side::Right => [0.0, trace.at(t)],
-        };
+        let pressures = |t: Second| side.alone(trace.at(t));
         let flapping = self.flapping(span, &pressures, &Conditions { fluid, softening: 1.0, softened: None })?;
         let quasistatic = QuasistaticMotion { rest: &self.body.mesh.nodes, sweep, trace };
         let equilibria = &self.equilibria[usize::from(side == Side::Right)];
