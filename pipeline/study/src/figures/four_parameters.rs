@@ -22,7 +22,7 @@ impl figure::Figure for FourParameters {
     type Needs = Every<records::FourParameters, Specimen>;
     const NAME: &'static str = "four_parameters";
     const CAPTION: &'static str = "both moduli and both Poisson's ratios, identified together";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn draw(Every(all): Self::Needs) -> Result<Figure> {
         if all.is_empty() {
@@ -34,12 +34,14 @@ impl figure::Figure for FourParameters {
         }
         let all = in_order(all);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-        for (specimen, found) in &all {
-            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter(found, k)));
+        for (i, (specimen, found)) in all.iter().enumerate() {
+            // one legend serves all rows: over a narrow panel it takes as much room as the panel
+            let legend = |k: usize| if (i, k) == (0, 0) { Legend::Over } else { Legend::None };
+            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter(found, k, legend(k))));
             let [first, others @ ..] = parameters;
             let others = others.into_iter().chain([Placed::from(loss(found))]).map(Placed::without_panel_label);
             let row = [first.titled(&title(&specimen.card.name))].into_iter().chain(others);
-            figure = figure.row(40.0, row.collect::<Vec<Placed>>());
+            figure = figure.row(if i == 0 { 56.0 } else { 40.0 }, row.collect::<Vec<Placed>>());
         }
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
@@ -49,7 +51,7 @@ const LABELS: [&str; 4] = ["E, body", "E, spine", "ν, body", "ν, spine"];
 const UNITS: [&str; 4] = ["MPa", "GPa", "", ""];
 const SCALES: [f64; 4] = [1e-6, 1e-9, 1.0, 1.0];
 
-fn parameter(found: &records::FourParameters, k: usize) -> Panel {
+fn parameter(found: &records::FourParameters, k: usize, legend: Legend) -> Panel {
     let points: Vec<Point2> =
         found.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.in_display_units()[k]]).collect();
     let last = points.len().max(2) as f64;
@@ -60,7 +62,7 @@ fn parameter(found: &records::FourParameters, k: usize) -> Panel {
         Axis::linear(LABELS[k], UNITS[k]).range(low - margin, high + margin),
     );
     let end = vec![[last, found.best.in_display_units()[k]]];
-    let axes = axes.legend(if k == 0 { Legend::Over } else { Legend::None });
+    let axes = axes.legend(legend);
     let ends = found.intervals()[k].map(|v| v.clamp(low - margin, high + margin));
     // a uniform distribution over the plausible range has 95 % of itself in 95 % of it
     let determined = ends[1] - ends[0] < 0.95 * (high - low);
