@@ -42,7 +42,7 @@ impl Fitting<'_> {
             modulus_time: self.modulus_time,
             loss: misfit.loss(&markers),
             durations: IdentificationDurations {
-                gradient_over_forward: gradient_over_forward(loss, &elastic, self.set.static_tolerance, context)?,
+                gradient_over_forward: gradient_over_forward(levels),
                 search: found.durations,
             },
             levels: self.simulated_levels(&markers),

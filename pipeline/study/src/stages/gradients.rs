@@ -1,11 +1,10 @@
 //! Gradients: the adjoint gradient of the loss against finite differences, and its cost.
 
-use fem::StaticSettings;
 use optimize::{Needs, Problem};
+use si::Second;
 
 use diagnostics::Result;
-use sysid::{Elastic, LevelSolver, Loss, statics};
-use workflow::stage::StageContext;
+use sysid::{LevelSolver, Loss, SimulatedLevel, statics};
 
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
 const DIFFERENCE: f64 = 1e-3;
@@ -36,24 +35,10 @@ pub(super) fn gradient_difference(loss: &Loss, search: &Problem, known: &LevelSo
     Ok(worst)
 }
 
-/// Processor time of an equilibrium with its gradient over that of the equilibrium alone, from rest (no known shape) to the highest level.
-///
-/// # Errors
-/// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium there.
-pub(super) fn gradient_over_forward(
-    loss: &Loss,
-    elastic: &Elastic,
-    tolerance: f64,
-    context: &dyn StageContext,
-) -> Result<f64> {
-    let levels = &loss.misfit.levels;
-    let pressures = levels.iter().max_by(|a, b| a.top().total_cmp(&b.top())).map_or(&[][..], |top| &top.pressures);
-    let mut solver = loss.model.system.solver();
-    elastic.apply(&mut solver)?;
-    let settings = StaticSettings { tolerance, ..StaticSettings::default() };
-    let began = context.thread_seconds();
-    let found = solver.equilibrium(pressures, None, &settings)?;
-    let forward = context.thread_seconds() - began;
-    solver.adjoint(&found, &found.displacement)?;
-    Ok((context.thread_seconds() - began) / forward)
+/// Time of one simulation of all levels with its derivatives over that of the equilibria alone, as the original counts it: by the `levels` of the
+/// whole body at the end of a search.
+pub(super) fn gradient_over_forward(levels: &[SimulatedLevel]) -> f64 {
+    let forward: Second = levels.iter().map(|level| level.forward_seconds).sum();
+    let derivatives: Second = levels.iter().map(|level| level.derivative_seconds).sum();
+    (forward + derivatives) / forward
 }
