@@ -1,5 +1,5 @@
-//! ExampleFrames: two frames of one film, the tail at rest and under constant pressure, with the markers in them; dent and bulge of its silhouette at
-//! every held pressure.
+//! ExampleFrames: two frames of one film, the tail at rest and under constant pressure, with the markers in them; at every held pressure its picture,
+//! its markers, and dent and bulge of its silhouette.
 
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point2, Point3, Second};
@@ -17,8 +17,19 @@ pub struct ExampleFrames {
     pub rest: Gray,
     /// The tail under pressure.
     pub held: Gray,
-    /// Measurements in both frames.
+    /// The window of the frame at every held pressure, in the order of the film.
+    pub levels: Vec<Gray>,
+    /// Measurements in the frames.
     pub seen: FrameData,
+}
+
+/// Markers and pressures in a frame at a held pressure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HeldLevel {
+    /// Measured pressures in the order of the card's chambers, Pa.
+    pub pressures_pa: Vec<Pascal>,
+    /// The markers, px of the whole frame.
+    pub markers_px: Vec<Point2>,
 }
 
 /// Measurements in the frames.
@@ -40,6 +51,10 @@ pub struct FrameData {
     pub window_px: [usize; 4],
     /// The camera's place, m.
     pub eye_m: Point3,
+    /// Rotation of the film's camera (CAD frame → camera frame, by rows), no unit, and its shift, m.
+    pub camera_pose: ([[f64; 3]; 3], Point3),
+    /// The held pressures in the order of the film.
+    pub levels: Vec<HeldLevel>,
     /// The held pressures in the order of the film, Pa, each with dent and bulge of the silhouette against that at rest.
     pub walls: Vec<(Pascal, Walls)>,
 }
@@ -71,10 +86,12 @@ impl Record for ExampleFrames {
         let png = |name: &str, picture: &Gray| {
             picture.to_png().map_err(|e| RecordError::Scalars { file: name.into(), cause: e.to_string() })
         };
-        RecordFiles::default()
-            .file(REST, png(REST, &self.rest)?)
-            .file(HELD, png(HELD, &self.held)?)
-            .scalars("frames.json", &self.seen)
+        let frames = RecordFiles::default().file(REST, png(REST, &self.rest)?).file(HELD, png(HELD, &self.held)?);
+        let add = |files: RecordFiles, (number, picture): (usize, &Gray)| -> Result<RecordFiles, RecordError> {
+            let name = level_file(number);
+            Ok(files.file(&name, png(&name, picture)?))
+        };
+        self.levels.iter().enumerate().try_fold(frames, add)?.scalars("frames.json", &self.seen)
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
@@ -82,7 +99,9 @@ impl Record for ExampleFrames {
             Gray::from_png(files.bytes(name)?)
                 .map_err(|e| RecordError::Scalars { file: name.into(), cause: e.to_string() })
         };
-        Ok(Self { rest: picture(REST)?, held: picture(HELD)?, seen: files.read_scalars("frames.json")? })
+        let seen: FrameData = files.read_scalars("frames.json")?;
+        let levels = (0..seen.levels.len()).map(|number| picture(&level_file(number))).collect::<Result<_, _>>()?;
+        Ok(Self { rest: picture(REST)?, held: picture(HELD)?, levels, seen })
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
@@ -110,12 +129,16 @@ impl Record for ExampleFrames {
 const REST: &str = "rest.png";
 const HELD: &str = "held.png";
 
+fn level_file(number: usize) -> String {
+    format!("level_{number}.png")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn two_frames_survive_their_record() {
+    fn frames_survive_their_record() {
         let picture = |factor: usize| Gray::from_fn(5, 4, |x, y| (factor * (x + 5 * y)) as f64);
         let data = FrameData {
             time_s: 1.5,
@@ -126,9 +149,11 @@ mod tests {
             px_per_m: 5200.0,
             window_px: [0, 0, 5, 4],
             eye_m: [0.0, 0.0, 0.2],
+            camera_pose: ([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]], [0.0, 0.0, 0.2]),
+            levels: vec![HeldLevel { pressures_pa: vec![24.1e3, 0.0], markers_px: vec![[1.5, 2.5]] }],
             walls: vec![(24.1e3, Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 })],
         };
-        let example = ExampleFrames { rest: picture(3), held: picture(7), seen: data };
+        let example = ExampleFrames { rest: picture(3), held: picture(7), levels: vec![picture(5)], seen: data };
         assert_eq!(ExampleFrames::unpack(&example.pack().unwrap()).unwrap(), example);
     }
 }

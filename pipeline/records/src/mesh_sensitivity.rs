@@ -1,26 +1,68 @@
 //! Mesh sensitivity: the moduli identified on each mesh from the same films.
 
 use serde::{Deserialize, Serialize};
-use si::Metre;
+use si::{MILLIMETRE, Metre};
 
 use super::Moduli;
 use crate::subject::Specimen;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
+/// The elements of a mesh and their size.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cells {
+    /// Tetrahedra of 10 or 4 nodes with a target length of an edge, m.
+    Tetrahedra {
+        /// m.
+        edge: Metre,
+        /// Nodes an element, 10 or 4.
+        nodes: usize,
+    },
+    /// Hexahedra of second order, graded towards thin walls.
+    Hexahedra {
+        /// Lengths of the study's cells over theirs.
+        finer: f64,
+    },
+}
+
 /// The moduli identified on one mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeshResult {
-    /// Target length of an edge, m.
-    pub edge: Metre,
-    /// Nodes an element, 10 or 4.
-    pub nodes: usize,
+    /// Its elements.
+    pub cells: Cells,
     /// Degrees of freedom before clamping.
     pub dofs: usize,
     /// The moduli of body and sheet.
     pub at: Moduli,
     /// The loss there.
     pub loss: f64,
+}
+
+impl Cells {
+    /// As part of a metric's id.
+    fn id(&self) -> String {
+        match self {
+            Self::Tetrahedra { edge, nodes } => format!("edge_{:.1}mm_{nodes}_nodes", edge / MILLIMETRE),
+            Self::Hexahedra { finer } => format!("hexahedra_{finer}"),
+        }
+    }
+
+    /// Nodes an element.
+    pub fn nodes(&self) -> usize {
+        match self {
+            Self::Tetrahedra { nodes, .. } => *nodes,
+            Self::Hexahedra { .. } => 20,
+        }
+    }
+
+    /// Their size in words.
+    pub fn size(&self) -> String {
+        match self {
+            Self::Tetrahedra { edge, .. } => format!("{:.1} mm", edge / MILLIMETRE),
+            Self::Hexahedra { finer } => format!("graded, 1/{finer}"),
+        }
+    }
 }
 
 /// All meshes of a specimen.
@@ -56,9 +98,7 @@ impl Record for MeshSensitivity {
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
-        let id = |r: &MeshResult, quantity: &str| {
-            format!("mesh_sensitivity.{}.edge_{:.1}mm_{}_nodes.{quantity}", subject, 1e3 * r.edge, r.nodes)
-        };
+        let id = |r: &MeshResult, quantity: &str| format!("mesh_sensitivity.{subject}.{}.{quantity}", r.cells.id());
         let row = |r: &MeshResult| {
             [
                 Metric::new(id(r, "body_e_mpa"), 1e-6 * r.at[0], "MPa"),
@@ -70,7 +110,8 @@ impl Record for MeshSensitivity {
 
     fn summary(&self) -> String {
         let text = |r: &MeshResult| {
-            format!("{:.1} mm, {} nodes: {:.3} MPa, {:.2} GPa", 1e3 * r.edge, r.nodes, 1e-6 * r.at[0], 1e-9 * r.at[1])
+            let (size, nodes) = (r.cells.size(), r.cells.nodes());
+            format!("{size}, {nodes} nodes: {:.3} MPa, {:.2} GPa", 1e-6 * r.at[0], 1e-9 * r.at[1])
         };
         self.rows.iter().map(text).collect::<Vec<_>>().join("; ")
     }
@@ -83,8 +124,9 @@ mod tests {
     #[test]
     fn the_rows_survive_their_record() {
         let moduli = vec![2e5, 3e9];
-        let sensitivity =
-            MeshSensitivity { rows: vec![MeshResult { edge: 5e-3, nodes: 4, dofs: 99, at: moduli, loss: 0.1 }] };
+        let row = |cells: Cells| MeshResult { cells, dofs: 99, at: moduli.clone(), loss: 0.1 };
+        let meshes = [Cells::Tetrahedra { edge: 5e-3, nodes: 4 }, Cells::Hexahedra { finer: 1.25 }];
+        let sensitivity = MeshSensitivity { rows: meshes.map(row).to_vec() };
         assert_eq!(MeshSensitivity::unpack(&sensitivity.pack().unwrap()).unwrap(), sensitivity);
         let mut fewer = sensitivity;
         fewer.rows[0].at.pop();

@@ -43,17 +43,27 @@ impl Stations {
     /// Of a solid with moved nodes (m), as `eye` (m) sees it, and the displacements of its markers, m.
     pub fn of_solid(
         &self,
-        (solid, markers): (&QuadraticMesh, &[Spot]),
+        body: (&QuadraticMesh, &[Spot]),
         nodes: &[Point3],
         eye: Point3,
     ) -> (Silhouette, Vec<Point2>) {
-        let surfaces = Surfaces::whole(solid, nodes);
-        let outer = [Bounds::Body, Bounds::Sheet].iter().filter_map(|b| surfaces.faces.get(b)).flatten().copied();
-        let projected = Projected::new(&surfaces.points, outer, eye);
-        let displacement = |moved: Point3, initial: Point3| [moved[0] - initial[0], moved[1] - initial[1]];
-        let displacements: Vec<Point2> =
-            markers.iter().map(|m| displacement(m.at(nodes), m.at(&solid.nodes))).collect();
+        let (projected, displacements) = (projected(body.0, nodes, eye), marker_displacements(body, nodes));
         (self.silhouette(&displacements, |normal, reach| projected.edge(normal, reach)), displacements)
+    }
+
+    /// Both sides of the outline of a solid with moved nodes (m), as `eye` (m) sees it on the plane at mid height: left and right, m.
+    pub fn outline(&self, body: (&QuadraticMesh, &[Spot]), nodes: &[Point3], eye: Point3) -> [Vec<Point2>; 2] {
+        let (projected, displacements) = (projected(body.0, nodes, eye), marker_displacements(body, nodes));
+        let sorted: Vec<Point2> = self.order.iter().map(|&marker| displacements[marker]).collect();
+        [1.0, -1.0].map(|turn| {
+            let point = |station: &Metre| {
+                let [base, [x, y]] = self.line.normal(*station, &sorted);
+                let outwards = [turn * x, turn * y];
+                let width = projected.edge([base, outwards], self.reach)?;
+                Some([base[0] + width * outwards[0], base[1] + width * outwards[1]])
+            };
+            self.at.iter().filter_map(point).collect()
+        })
     }
 
     /// Dent and bulge against the silhouette at rest; the tail bends away from its filled side.
@@ -64,6 +74,19 @@ impl Stations {
     ) -> Option<Walls> {
         deformed.walls(undeformed, &self.at, displacements[*self.order.last()?][1] < 0.0)
     }
+}
+
+/// The outer skin of a solid with moved nodes (m) as `eye` (m) sees it.
+fn projected(solid: &QuadraticMesh, nodes: &[Point3], eye: Point3) -> Projected {
+    let surfaces = Surfaces::whole(solid, nodes);
+    let outer = [Bounds::Body, Bounds::Sheet].iter().filter_map(|b| surfaces.faces.get(b)).flatten().copied();
+    Projected::new(&surfaces.points, outer, eye)
+}
+
+/// Displacements of the markers in the plane when the nodes have moved to `nodes` (m), m.
+fn marker_displacements((solid, markers): (&QuadraticMesh, &[Spot]), nodes: &[Point3]) -> Vec<Point2> {
+    let displacement = |moved: Point3, initial: Point3| [moved[0] - initial[0], moved[1] - initial[1]];
+    markers.iter().map(|marker| displacement(marker.at(nodes), marker.at(&solid.nodes))).collect()
 }
 
 #[cfg(test)]

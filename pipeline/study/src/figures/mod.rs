@@ -9,6 +9,7 @@ pub mod order;
 mod overview;
 mod relaxation;
 mod setup;
+mod static_overlay;
 mod sysid;
 mod tail;
 mod thrust;
@@ -26,6 +27,7 @@ pub const ALL: &[Entry<Study>] = &[
     figure::<designs::Designs>(),
     figure::<setup::Setup>(),
     figure::<sysid::Sysid>(),
+    figure::<static_overlay::StaticOverlay>(),
     figure::<four_parameters::FourParameters>(),
     figure::<relaxation::Relaxation>(),
     figure::<dynamics::Dynamics>(),

@@ -14,7 +14,7 @@ use super::plateaus::holds;
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::Walls;
 use records::subject::Trial;
-use records::{self, Camera, FrameData, Markers, Motion, Path, Tracks};
+use records::{self, Camera, FrameData, HeldLevel, Markers, Motion, Path, Tracks};
 use sysid::silhouette::Stations;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
@@ -64,7 +64,7 @@ impl Stage for Example {
     type Needs = (Camera, Tracks, Markers, Motion);
     type Makes = records::ExampleFrames;
     const DESCRIPTION: &'static str = "frames and silhouettes under held pressures are extracted";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         of.film().into_iter().collect()
@@ -92,18 +92,30 @@ impl Stage for Example {
         let (frame, held) = (holds[shown].frame, &holds[shown]);
         let at = |frame: usize| -> Vec<Point2> { tracks.markers.iter().map(|m: &Path| m.at[frame]).collect() };
         let rest_px = at(0);
+        let window_px = window(card, &camera, &set.window);
+        let level = |hold: &Held| HeldLevel { pressures_pa: hold.measured.clone(), markers_px: at(hold.frame) };
         let seen = FrameData {
             time_s: motion.time[frame],
             command_pa: held.command,
             pressures_pa: held.measured.clone(),
             px_per_m: scale(card, &rest_px).ok_or_else(no_scale)?,
-            window_px: window(card, &camera, &set.window),
+            window_px,
             held_px: at(frame),
             rest_px,
             eye_m: there.pose.centre(),
+            camera_pose: (there.pose.rotation, there.pose.translation),
+            levels: holds.iter().map(level).collect(),
             walls,
         };
-        Ok(records::ExampleFrames { held: pictures.swap_remove(shown + 1), rest: pictures.swap_remove(0), seen })
+        let [left, top, right, bottom] = window_px;
+        let crop = |picture: &Gray| picture.crop(left, top, right - left, bottom - top);
+        let levels = pictures[1..].iter().map(crop).collect();
+        Ok(records::ExampleFrames {
+            held: pictures.swap_remove(shown + 1),
+            rest: pictures.swap_remove(0),
+            levels,
+            seen,
+        })
     }
 }
 

@@ -1,5 +1,5 @@
-//! Inflate: the identified model under rising pressure in the channels of one staircase, up to the highest that a film shows; among them the pressure
-//! of the film's example frame, so that both can be compared. Paper: figure 1, the buckle.
+//! Inflate: the identified model under rising pressure in the channels of one staircase, up to the highest that a film shows; among them the
+//! pressures that the film holds, so that both can be compared. Paper: figure 1, the buckle.
 
 use std::collections::BTreeSet;
 
@@ -68,15 +68,16 @@ impl Stage for Inflate {
     type Needs = (Mesh, Identified, OfTrials<ExampleFrames>);
     type Makes = Inflation;
     const DESCRIPTION: &'static str = "the identified model is inflated to the highest filmed pressure";
-    const VERSION: u32 = 10;
+    const VERSION: u32 = 11;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
         let (mesh, found, OfTrials(examples, _)) = needs;
         let staircase = card.staircase.as_ref().ok_or_else(no_staircase)?;
         let seen = examples.first().map(|(_, example)| &example.seen);
-        let filmed = seen.map(|seen| seen.pressures_pa.clone());
+        let filmed = seen.map(|seen| top(&seen.pressures_pa));
         let asked_pa = staircase.highest;
-        let levels = levels(card, staircase, set.shapes, filmed.as_deref());
+        let held = seen.map_or(&[][..], |seen| &seen.levels).iter().map(|level| level.pressures_pa.clone());
+        let levels = levels(card, staircase, set.shapes, held);
         let model = mesh.model(&card.body)?;
         let mut solver = model.system.solver();
         found.elastic(&model).apply(&mut solver)?;
@@ -90,24 +91,41 @@ impl Stage for Inflate {
             see(&mut shapes, card, &mesh, eye);
         }
         let film = seen.and_then(FrameData::shown);
-        let filmed = filmed.and_then(|wanted| shapes.iter().position(|s| s.pressures_pa == wanted));
+        let is_filmed = |shape: &Shape, wanted: Pascal| (shape.pressure() - wanted).abs() <= SAME_LEVEL * asked_pa;
+        let filmed = filmed.and_then(|wanted| shapes.iter().position(|shape| is_filmed(shape, wanted)));
         let nodes = skin(&mesh);
         let keep = |s: Shape| Shape { moved: nodes.iter().map(|&n| s.moved[n as usize]).collect(), ..s };
         Ok(Inflation { shapes: shapes.into_iter().map(keep).collect(), nodes, filmed, asked_pa, film })
     }
 }
 
-/// Pressures of all chambers in rising order: even levels, and those of the film.
-fn levels(card: &Card, staircase: &Staircase, count: usize, filmed: Option<&[Pascal]>) -> Vec<Vec<Pascal>> {
+/// Pressures nearer than this, as a part of the highest, are one level: no shape can be extrapolated through two that are the same but for noise.
+const SAME_LEVEL: f64 = 2e-3;
+
+/// Pressures of all chambers in rising order: those that the film holds, and even levels where it holds none.
+fn levels(
+    card: &Card,
+    staircase: &Staircase,
+    count: usize,
+    held: impl Iterator<Item = Vec<Pascal>>,
+) -> Vec<Vec<Pascal>> {
     let highest = staircase.highest;
     let filled = |channel: &String| f64::from(u8::from(staircase.channels.contains(channel)));
-    let at = |p: Pascal| card.channels.iter().map(|channel| filled(channel) * p).collect();
-    let even = (1..=count).map(|i| at(highest * i as f64 / count as f64));
-    let mut all: Vec<Vec<Pascal>> = even.chain(filmed.map(<[Pascal]>::to_vec)).collect();
-    let top = |p: &Vec<Pascal>| p.iter().copied().fold(0.0, f64::max);
-    all.sort_by(|a, b| top(a).total_cmp(&top(b)));
-    all.dedup();
-    all
+    let filled_to = |pressure: Pascal| card.channels.iter().map(|channel| filled(channel) * pressure).collect();
+    let even = (1..=count).map(|i| filled_to(highest * i as f64 / count as f64));
+    let mut levels: Vec<Vec<Pascal>> = Vec::new();
+    for level in held.chain(even) {
+        if levels.iter().all(|known| (top(known) - top(&level)).abs() > SAME_LEVEL * highest) {
+            levels.push(level);
+        }
+    }
+    levels.sort_by(|a, b| top(a).total_cmp(&top(b)));
+    levels
+}
+
+/// The highest of the pressures of all chambers, Pa.
+fn top(pressures: &[Pascal]) -> Pascal {
+    pressures.iter().copied().fold(0.0, f64::max)
 }
 
 /// Displacements (3 a node, m) while there is an equilibrium, each from those before.

@@ -163,6 +163,20 @@ pub(super) fn with_edge(card: &Card, edge: Metre, context: &dyn StageContext) ->
     made(card, &card.mesher(edge, true, ElementChoice::Tetrahedra), MARKER_LIMIT, context)
 }
 
+/// A specimen's mesh in hexahedra with cells shorter than those of the study by a factor, halved where it is symmetric; a body without a chamber is
+/// divided as if it had a wall as thick as the edge (m).
+///
+/// # Errors
+/// As [`made`]; also when the body cannot be divided into hexahedra.
+pub(super) fn with_finer_cells(
+    card: &Card,
+    (edge, finer): (Metre, f64),
+    context: &dyn StageContext,
+) -> Result<records::Mesh> {
+    let elements = ElementChoice::Hexahedra(Grading::COARSE.finer(finer));
+    made(card, &card.mesher(edge, true, elements), MARKER_LIMIT, context)
+}
+
 fn meshed(card: &Card, by: &Mesher, context: &dyn StageContext) -> Result<Meshed> {
     let body = surface(card, card::BODY, context)?;
     let sheet = card.solids.iter().any(|one| one.solid == card::SPINE);

@@ -1,5 +1,5 @@
-//! Mesh sensitivity: the moduli identified from the same films on finer and coarser meshes with elements of ten and of four nodes.
-//! A locking element is compensated by a lower modulus.
+//! Mesh sensitivity: the moduli identified from the same films on other meshes: tetrahedra of ten and of four nodes, whose locking a lower modulus
+//! makes up for, and hexahedra that are finer than the study's.
 
 use ::mesh::Solid;
 use fem::StaticSettings;
@@ -11,7 +11,7 @@ use si::Metre;
 use super::mesh;
 use diagnostics::Result;
 use records::subject::Specimen;
-use records::{self, Identified, Mesh, MeshResult, Moduli};
+use records::{self, Cells, Identified, Mesh, MeshResult, Moduli};
 use sysid::{Attached, Body, CertifiedSearch, Derivatives, Elastic, Interrupted, LevelSolver, Misfit, Model};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
@@ -23,9 +23,13 @@ pub struct MeshSensitivity;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Target lengths of an edge, m.
+    /// Target lengths of an edge of tetrahedra, m.
     edges: Vec<Metre>,
-    /// Fraction of the highest pressure up to which levels are used: all meshes must have an equilibrium there.
+    /// Lengths of the study's cells over those of finer hexahedra,
+    finer: Vec<f64>,
+    /// on which these specimens are identified.
+    finer_specimens: Vec<String>,
+    /// Fraction of the highest pressure up to which levels are used on tetrahedra: all such meshes must have an equilibrium there.
     pressure_fraction: f64,
     /// Bounds: the largest factor between a modulus and the identified one.
     modulus_factor: f64,
@@ -38,13 +42,14 @@ pub struct Settings {
 /// What it reads of the card.
 #[derive(Debug, Serialize)]
 pub struct Card {
+    name: String,
     mesh: mesh::Card,
     body: Body,
 }
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        Self { mesh: Part::part_of(of), body: Part::part_of(of) }
+        Self { name: of.card.name.clone(), mesh: Part::part_of(of), body: Part::part_of(of) }
     }
 }
 
@@ -54,7 +59,7 @@ impl Stage for MeshSensitivity {
     type Needs = Identified;
     type Makes = records::MeshSensitivity;
     const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -66,21 +71,42 @@ impl Stage for MeshSensitivity {
         found: Identified,
         context: &dyn StageContext,
     ) -> Result<records::MeshSensitivity> {
-        let found = found.up_to(set.pressure_fraction);
-        let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
-        let mut rows = Vec::new();
-        for (i, &edge) in set.edges.iter().enumerate() {
-            context.progress(i as f64 / set.edges.len() as f64, &format!("edges of {:.1} mm", 1e3 * edge));
-            let made = mesh::with_edge(&card.mesh, edge, context)?;
-            for nodes in [10, 4] {
-                let model = model(&card.body, &made, nodes, &found)?;
-                let dofs = 3 * model.system.mesh().nodes.len();
-                let best = moduli(set, &model, &levels, &found)?;
-                rows.push(MeshResult { edge, nodes, dofs, loss: best.loss, at: point(&found, &best.at) });
-            }
-        }
+        let finer = if set.finer_specimens.contains(&card.name) { set.finer.as_slice() } else { &[] };
+        let tetrahedra = |&edge: &Metre| [10, 4].map(|nodes| Cells::Tetrahedra { edge, nodes });
+        let meshes: Vec<Cells> = set.edges.iter().flat_map(tetrahedra).collect();
+        let meshes = meshes.into_iter().chain(finer.iter().map(|&finer| Cells::Hexahedra { finer }));
+        let meshes: Vec<Cells> = meshes.collect();
+        let row = |(number, cells): (usize, &Cells)| {
+            context.progress(number as f64 / meshes.len() as f64, &cells.size());
+            result_on(card, set, cells, &found, context)
+        };
+        let rows = meshes.iter().enumerate().map(row).collect::<Result<_>>()?;
         Ok(records::MeshSensitivity { rows })
     }
+}
+
+/// The moduli on one mesh.
+fn result_on(
+    card: &Card,
+    set: &Settings,
+    cells: &Cells,
+    found: &Identified,
+    context: &dyn StageContext,
+) -> Result<MeshResult> {
+    let (made, found) = match cells {
+        Cells::Tetrahedra { edge, .. } => {
+            (mesh::with_edge(&card.mesh, *edge, context)?, found.clone().up_to(set.pressure_fraction))
+        }
+        Cells::Hexahedra { finer } => {
+            (mesh::with_finer_cells(&card.mesh, (set.edges[0], *finer), context)?, found.clone())
+        }
+    };
+    let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
+    let model = model(&card.body, &made, cells.nodes(), &found)?;
+    let dofs = 3 * model.system.mesh().nodes.len();
+    let locks = matches!(cells, Cells::Tetrahedra { .. });
+    let best = moduli(set, (&model, locks), &levels, &found)?;
+    Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: point(&found, &best.at) })
 }
 
 fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<Model> {
@@ -96,8 +122,8 @@ fn point(found: &Identified, at: &[f64]) -> Moduli {
 }
 
 /// Gauss-Newton over the logarithms of the moduli over the identified ones, in a reduced model that the whole mesh certifies. Elements that lock
-/// have their answer far from the start: what is not certified is searched on the whole mesh.
-fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) -> Result<Evaluation> {
+/// have their answer far from the start: what is not certified is searched on the whole mesh, which finer hexahedra neither need nor allow.
+fn moduli(set: &Settings, (model, locks): (&Model, bool), levels: &Misfit, found: &Identified) -> Result<Evaluation> {
     let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
     let mut whole = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
     let by = CertifiedSearch::new(found.elastic(model), Derivatives::Sensitivities, levels);
@@ -107,7 +133,7 @@ fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) ->
         Ok((elastic(&best.at), best))
     };
     match by.run(&mut whole, &mut one, &|_| ()) {
-        Ok(certified) if certified.certificate.holds() => Ok(certified.found),
+        Ok(certified) if certified.certificate.holds() || !locks => Ok(certified.found),
         _ => minimise(set, (levels, found), &elastic, &mut whole),
     }
 }
