@@ -5,6 +5,7 @@ use super::law::RepulsiveLaw;
 use super::surface::{NODES, Samples, Surface};
 use nalgebra::{Matrix3, Vector3};
 use si::Metre;
+use std::ops::ControlFlow;
 
 /// The samples of two faces; those of the second are its mirror images where that is meant.
 pub(crate) struct FacePair<'a> {
@@ -15,35 +16,50 @@ pub(crate) struct FacePair<'a> {
 impl FacePair<'_> {
     /// Whether two samples are closer than `range`.
     pub(crate) fn touch(&self, range: Metre) -> bool {
-        let mut touch = false;
-        self.for_each_point_pair(range, |_, _, _, _| touch = true);
-        touch
+        self.visit_point_pairs(range, |_, _, _, _| ControlFlow::Break(())).is_break()
     }
 
     /// Calls `visit` with the indices of two samples closer than `range`, the vector from the second to the first, and its length.
     pub(crate) fn for_each_point_pair(&self, range: Metre, mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre)) {
+        let _ = self.visit_point_pairs(range, |i, j, apart, distance| {
+            visit(i, j, apart, distance);
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// The same until `visit` breaks off: whether walls touch is known from the first two samples that do.
+    fn visit_point_pairs(
+        &self,
+        range: Metre,
+        mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let [a, b] = self.samples;
         let extent = b.bounds.high - b.bounds.low;
         let axis = extent.imax();
-        let mut others = near(b, a, range);
+        let mut others: Vec<(usize, Vector3<f64>)> = near(b, a, range).collect();
+        // most pairs of faces are near each other by their boxes alone
+        if others.is_empty() {
+            return ControlFlow::Continue(());
+        }
         others.sort_by(|(_, x), (_, y)| x[axis].total_cmp(&y[axis]));
-        for (i, x) in near(a, b, range).into_iter().filter(|_| !others.is_empty()) {
+        for (i, x) in near(a, b, range) {
             let first = others.partition_point(|(_, y)| y[axis] < x[axis] - range);
             for &(j, y) in others[first..].iter().take_while(|(_, y)| y[axis] < x[axis] + range) {
                 let apart = x - y;
                 let squared = apart.norm_squared();
                 if squared < range * range {
-                    visit(i, j, apart, squared.sqrt());
+                    visit(i, j, apart, squared.sqrt())?;
                 }
             }
         }
+        ControlFlow::Continue(())
     }
 }
 
 /// The samples of one face that may be closer than `range` to one of the other, with their indices.
-fn near(of: &Samples, other: &Samples, range: Metre) -> Vec<(usize, Vector3<f64>)> {
+fn near(of: &Samples, other: &Samples, range: Metre) -> impl Iterator<Item = (usize, Vector3<f64>)> {
     let bounds = other.bounds.widened(range);
-    of.positions.iter().copied().enumerate().filter(|(_, x)| bounds.contains(x)).collect()
+    of.positions.iter().copied().enumerate().filter(move |(_, x)| bounds.contains(x))
 }
 
 /// One 3 × 3 block for each pair of nodes.

@@ -28,6 +28,7 @@ use law::RepulsiveLaw;
 use nalgebra::{Matrix3, Vector3};
 use si::{Joule, Metre, Pascal};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 use surface::{Samples, Surface};
 
 /// How walls in contact repel each other.
@@ -84,18 +85,30 @@ impl SelfContact {
 
     /// Calls `visit` with the faces that may be within `reach` of each other at `u`.
     fn for_each_face_pair(&self, u: &[f64], reach: Metre, mut visit: impl FnMut(&FacePair)) {
+        let _ = self.visit_face_pairs(u, reach, |faces| {
+            visit(faces);
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// The same until `visit` breaks off.
+    fn visit_face_pairs(
+        &self,
+        u: &[f64],
+        reach: Metre,
+        mut visit: impl FnMut(&FacePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let mut pairs = self.close(&self.surface.boxes(u), reach);
         pairs.retain(|pair| hull::gap(&self.hulls(pair, u)) < reach);
         let mut samples: BTreeMap<(u32, bool), Samples> = BTreeMap::new();
-        for pair in &pairs {
-            for (face, mirrored) in pair.faces() {
+        for pair in pairs {
+            let faces = pair.faces();
+            for (face, mirrored) in faces {
                 samples.entry((face, mirrored)).or_insert_with(|| self.surface.samples(face, u, mirrored));
             }
+            visit(&FacePair { pair, samples: faces.map(|face| &samples[&face]) })?;
         }
-        for pair in pairs {
-            let [a, b] = pair.faces();
-            visit(&FacePair { pair, samples: [&samples[&a], &samples[&b]] });
-        }
+        ControlFlow::Continue(())
     }
 
     /// The hulls of two faces at `u`.
@@ -124,9 +137,12 @@ impl SelfContact {
 
     /// Whether walls are within the range of each other at `u`.
     pub(crate) fn touch(&self, u: &[f64]) -> bool {
-        let mut touch = false;
-        self.for_each_face_pair(u, self.law.range, |faces| touch |= faces.touch(self.law.range));
-        touch
+        let range = self.law.range;
+        let touches = |faces: &FacePair| match faces.touch(range) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        self.visit_face_pairs(u, range, touches).is_break()
     }
 
     /// Product of the areas of two samples, m⁴.
