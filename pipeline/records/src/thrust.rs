@@ -62,6 +62,8 @@ pub struct Means {
     pub measured_n: Newton,
     /// By the paper's theory, N.
     pub theory_n: Newton,
+    /// By the theory with fitted coefficients, N.
+    pub tuned_n: Newton,
     /// By the network, N.
     pub network_n: Newton,
     /// Mean of the subtracted cross-talk, N.
@@ -83,6 +85,8 @@ pub struct Trace {
     pub measured: Vec<Newton>,
     /// The paper's theory, N.
     pub theory: Vec<Newton>,
+    /// The theory with fitted coefficients, N.
+    pub tuned: Vec<Newton>,
     /// N.
     pub network: Vec<Newton>,
 }
@@ -150,6 +154,7 @@ impl Record for Thrust {
                 .numbers("moved_m", trace.moved.clone())
                 .numbers("measured_n", trace.measured.clone())
                 .numbers("theory_n", trace.theory.clone())
+                .numbers("tuned_n", trace.tuned.clone())
                 .numbers("network_n", trace.network.clone());
             files.table(&format!("trace{i}.parquet"), &columns)
         })
@@ -166,6 +171,7 @@ impl Record for Thrust {
                 moved: columns.f64("moved_m")?,
                 measured: columns.f64("measured_n")?,
                 theory: columns.f64("theory_n")?,
+                tuned: columns.f64("tuned_n")?,
                 network: columns.f64("network_n")?,
             })
         };

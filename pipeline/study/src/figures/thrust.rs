@@ -1,4 +1,4 @@
-//! Figure `thrust`: motion, measured thrust, theory and network, on a training run and on a held-out run. Paper, figure 8.
+//! Figure `thrust`: motion, measured thrust, theory, tuned theory and network, on a training run and on a held-out run. Paper, figure 8.
 //!
 //! A pair of panels a specimen (training, test): the last marker's lateral displacement above the forces; then the mean thrust of
 //! every held-out run, predicted against measured.
@@ -22,7 +22,7 @@ impl figure::Figure for Thrust {
     type Needs = Every<records::Thrust, Specimen>;
     const NAME: &'static str = "thrust";
     const CAPTION: &'static str = "thrust of theory and network on training and test runs";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::Thrust>::any(study)
@@ -72,6 +72,11 @@ fn forces(trace: &Trace) -> Placed {
                 .labelled(&label("theory", &trace.theory)),
         )
         .with(
+            Mark::line(curve(trace, &trace.tuned, 1e3), palette::DISPLACEMENT)
+                .dashed(Dash::Dotted)
+                .labelled(&label("tuned theory", &trace.tuned)),
+        )
+        .with(
             Mark::line(curve(trace, &trace.measured, 1e3), palette::MEASURED)
                 .sized(1.3)
                 .labelled(&label("measured, corrected", &trace.measured)),
@@ -90,6 +95,7 @@ fn means(specimen: &Specimen, thrust: &records::Thrust) -> Placed {
     let axes = Axes::new(Axis::linear("measured mean", "mN"), Axis::linear("predicted mean", "mN"))
         .with(Mark::line(vec![[0.0, 0.0], [most, most]], palette::MUTED).dashed(Dash::Dotted))
         .with(Mark::points(points(|m| m.theory_n), Marker::Triangle, palette::ELONGATED_BODY).labelled("theory"))
+        .with(Mark::points(points(|m| m.tuned_n), Marker::Cross, palette::DISPLACEMENT).labelled("tuned theory"))
         .with(Mark::points(points(|m| m.network_n), Marker::Disc, palette::NETWORK).labelled("network"));
     Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: held-out runs", title(&specimen.card.name)))
 }

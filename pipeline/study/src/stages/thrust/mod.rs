@@ -85,7 +85,7 @@ impl Stage for Thrust {
     type Needs = (Mesh, Maybe<LoadCell>, TrialsWithForce);
     type Makes = Record;
     const DESCRIPTION: &'static str = "thrust models are trained on motion and pressure";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let (mesh, Maybe(cell), trials) = needs;
@@ -179,6 +179,7 @@ fn means(runs: &[Run], taken: &[f64], models: &Models) -> Vec<Means> {
         frequency_hz: run.frequency,
         measured_n: mean(&run.force),
         theory_n: mean(&evaluated(models, ThrustModel::Ebt, run)),
+        tuned_n: mean(&evaluated(models, ThrustModel::Theory, run)),
         network_n: mean(&evaluated(models, ThrustModel::Network, run)),
         crosstalk_n: *taken,
     };
@@ -208,6 +209,7 @@ fn traces(runs: &[Run], models: &Models) -> Vec<Trace> {
             moved: cut(run.moved.iter().filter_map(|m| m.last()).map(|p| p[1]).collect()),
             measured: cut(run.force.clone()),
             theory: cut(evaluated(models, ThrustModel::Ebt, run)),
+            tuned: cut(evaluated(models, ThrustModel::Theory, run)),
             network: cut(evaluated(models, ThrustModel::Network, run)),
         }
     };
