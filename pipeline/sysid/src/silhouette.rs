@@ -53,7 +53,10 @@ impl Stations {
 
     /// Both sides of the outline of a solid with moved nodes (m), as `eye` (m) sees it on the plane at mid height: left and right, m.
     pub fn outline(&self, body: (&QuadraticMesh, &[Spot]), nodes: &[Point3], eye: Point3) -> [Vec<Point2>; 2] {
-        let (projected, displacements) = (projected(body.0, nodes, eye), marker_displacements(body, nodes));
+        self.outline_of(&projected(body.0, nodes, eye), &marker_displacements(body, nodes))
+    }
+
+    fn outline_of(&self, projected: &Projected, displacements: &[Point2]) -> [Vec<Point2>; 2] {
         let sorted: Vec<Point2> = self.order.iter().map(|&marker| displacements[marker]).collect();
         [1.0, -1.0].map(|turn| {
             let point = |station: &Metre| {
@@ -126,6 +129,19 @@ mod tests {
         // the spline through four markers leaves the arc by 0.1 mm
         assert!((walls.dent_m - 3e-3).abs() < 1.5e-4 && walls.bulge_m < 1.5e-4, "{walls:?}");
         assert!((walls.dent_at[0] - 0.018).abs() < 1.1e-3 && walls.dent_at[1] < 0.0, "{walls:?}");
+    }
+
+    #[test]
+    fn the_outline_of_a_bent_body_lies_half_its_width_beside_the_arc() {
+        let stations = Stations::new(CLAMP, &MARKERS).unwrap();
+        let (moved, body) = bent();
+        let [left, right] = stations.outline_of(&body, &moved);
+        let radius = |[x, y]: &Point2| (x - CLAMP).hypot(y + RADIUS);
+        // far from the notch, and within the polygon's sagitta and the spline's deviation from the arc
+        let is_plain = |[x, y]: &&Point2| (x - CLAMP).atan2(y + RADIUS) * RADIUS > 0.035;
+        assert!(left.len() > 100 && right.len() > 100);
+        assert!(left.iter().all(|p| (radius(p) - RADIUS - 0.018).abs() < 2e-5));
+        assert!(right.iter().filter(is_plain).all(|p| (radius(p) - RADIUS + 0.018).abs() < 2e-5));
     }
 
     #[test]
