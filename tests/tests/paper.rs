@@ -58,3 +58,11 @@ fn an_equation_whose_test_is_renamed_is_one_problem() {
     assert_eq!(found.len(), 1, "{found:?}");
     assert!(found[0].contains("no test is called `another_test`"), "{found:?}");
 }
+
+#[test]
+fn the_results_on_the_front_page_are_those_of_the_tracked_numbers() {
+    let results = study::front_page_results(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    let [shown, given] =
+        results.expect("the project's files can be read").expect("README.md has a place for its results");
+    assert_eq!(shown, given, "`just paper` writes them anew");
+}

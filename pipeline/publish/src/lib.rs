@@ -30,6 +30,7 @@ pub mod page_file;
 pub mod paper;
 pub mod paper_files;
 mod real_tables;
+mod results_file;
 pub mod ro_crate;
 mod stage_diagram;
 pub mod stand_in;

@@ -13,6 +13,7 @@ use crate::numbers_file::{self, Numbers};
 use crate::outdated;
 use crate::paper::{self, Facts, Made, Origin, Page, Problem};
 use crate::real_tables;
+use crate::results_file;
 use diagnostics::{Diagnostic, Result, input};
 use workflow::entry::{Entry, Kind};
 use workflow::runner::write_atomically;
@@ -58,6 +59,9 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<PathBuf> {
         Diagnostic::new(defect, reason, "correct the lines named, or make what is missing with study run")
     };
     let facts = tracked_facts(runner)?;
+    if runner.profile == Profile::Paper {
+        results_file::write(&runner.folders.paper_source(), &facts)?;
+    }
     let pages = source_pages(&runner.folders.paper_source())?;
     let resolved = paper::resolve(&pages, &facts).map_err(diagnostic)?;
     let folder_of_paper = runner.folders.paper_in_place();
@@ -85,17 +89,32 @@ fn tracked_facts<U: Universe>(runner: &Runner<U>) -> Result<Facts> {
     if has_records {
         numbers_file::write(&folders.paper_source(), &facts.metrics, &named_numbers(folders)?)?;
     }
-    let expected = Expected::read(&folders.expected(), runner.profile)?;
+    Ok(Facts { strict: has_records, ..with_tracked_numbers(folders, facts)? })
+}
+
+/// The facts with the numbers that are tracked.
+fn with_tracked_numbers(folders: &Folders, facts: Facts) -> Result<Facts> {
+    let expected = Expected::read(&folders.expected(), Profile::Paper)?;
     let Numbers { entries, sources } = numbers_file::read(&folders.paper_source(), &expected)?;
     let metrics = entries.into_iter().chain(real_numbers(folders, &expected)?).collect();
-    Ok(Facts { metrics, strict: has_records, origin: Origin::Tracked(sources), ..facts })
+    Ok(Facts { metrics, origin: Origin::Tracked(sources), ..facts })
+}
+
+/// The results as they stand on the project's front page, and as the tracked numbers give them, for tests; nothing where it has no place for them.
+///
+/// # Errors
+/// A [`Diagnostic`] when a file of the project cannot be read.
+pub fn front_page_results<U: Universe>(folders: &Folders, lists: &[&[Entry<U>]]) -> Result<Option<[String; 2]>> {
+    let facts = with_tracked_numbers(folders, paper_facts(folders, lists, Profile::Paper, Vec::new())?)?;
+    results_file::compared(&folders.paper_source(), &facts)
 }
 
 /// The numbers that the text and the claims may name.
 fn named_numbers(folders: &Folders) -> Result<BTreeSet<String>> {
     let (expected, claims) = (Expected::read(&folders.expected(), Profile::Paper)?, claims::read(&folders.claims())?);
     let claim_metrics = claims.iter().flat_map(|claim| claim.metrics().chain(claim.others())).cloned();
-    Ok(expected.named().iter().cloned().chain(claim_metrics).collect())
+    let results = results_file::named(&folders.paper_source())?;
+    Ok(expected.named().iter().cloned().chain(claim_metrics).chain(results).collect())
 }
 
 fn real_numbers(folders: &Folders, expected: &Expected) -> Result<Vec<MetricEntry>> {

@@ -171,6 +171,14 @@ pub fn paper_source(root: &Path) -> Result<(Vec<paper::Page>, paper::Facts)> {
     paper_files::unresolved(&Folders::new(root, Profile::Quick), LISTS)
 }
 
+/// The results on the front page of the project at `root`, and as the tracked numbers give them; nothing where it has no place for them.
+///
+/// # Errors
+/// A [`Diagnostic`] when a file of the project cannot be read.
+pub fn front_page_results(root: &Path) -> Result<Option<[String; 2]>> {
+    paper_files::front_page_results(&Folders::new(root, Profile::Paper), LISTS)
+}
+
 /// The list of stages, figures and tables, a line each.
 pub fn description() -> String {
     let line = |entry: &Entry<Study>| format!("{:<18} {}\n", entry.name, entry.description);

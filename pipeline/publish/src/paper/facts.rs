@@ -69,7 +69,7 @@ pub(crate) fn test_names(source: &str) -> BTreeSet<String> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::claims::Rule;
     use crate::expected::Expected;

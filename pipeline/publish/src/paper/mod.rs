@@ -24,8 +24,10 @@ mod facts;
 mod generated;
 mod omit;
 mod place;
-mod scan;
+pub(crate) mod scan;
 
+#[cfg(test)]
+pub(crate) use facts::tests::facts as facts_of_tests;
 pub use facts::{Facts, Made, Origin};
 pub(crate) use facts::{cited_keys, test_names};
 
