@@ -40,7 +40,7 @@ pub(crate) fn draw(canvas: &mut Canvas, camera: &Camera, board: &Board, pose: &B
         canvas.fill(&outline, PAPER);
     }
     for row in 0..board.rows {
-        for column in (0..board.columns).filter(|column| board.black(*column, row)) {
+        for column in (0..board.columns).filter(|column| board.is_black(*column, row)) {
             let (left, top) = (column as f64 - 1.0, row as f64 - 1.0);
             if let Some(outline) = outline(camera, board, pose, [left, top, left + 1.0, top + 1.0]) {
                 canvas.fill(&outline, INK);
@@ -69,7 +69,10 @@ pub(crate) fn calibration_poses(
 /// A pose between two others: translation and rotation vector are interpolated linearly.
 pub(crate) fn between(from: &BoardPose, to: &BoardPose, fraction: f64) -> BoardPose {
     let mix = |a: Point3, b: Point3| vec3::add(vec3::scale(a, 1.0 - fraction), vec3::scale(b, fraction));
-    BoardPose(Pose::from_vector(mix(from.0.turn(), to.0.turn()), mix(from.0.translation, to.0.translation)))
+    BoardPose(Pose::from_vector(
+        mix(from.0.rotation_vector(), to.0.rotation_vector()),
+        mix(from.0.translation, to.0.translation),
+    ))
 }
 
 /// Pose `index`: its centre cycles through nine fields of the picture; its tilt is random.
