@@ -57,7 +57,7 @@ impl Drop for Folder {
 /// The board seen by a camera that is tilted by a vector (rad).
 fn view(tilt: [f64; 3]) -> Gray {
     let down = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [0.0; 3]);
-    let turned = down.moved(tilt, [0.0; 3]);
+    let turned = down.rotated_and_shifted(tilt, [0.0; 3]);
     let middle = turned.apply([0.07, 0.04, 0.0]);
     let pose = Pose { translation: [-middle[0], -middle[1], 0.3 - middle[2]], ..turned };
     let camera = RefractiveCamera { lens: LENS, pose, water: None };
@@ -157,7 +157,7 @@ fn of_many_pictures_everything_is_written_in_the_natural_order_of_their_names() 
         let whole = view(*tilt);
         for shift in 0..28 {
             let noise = |u: usize, v: usize| ((u * 7919 + v * 104_729 + shift * 31) % 13) as f64 - 6.0;
-            let from = |u: usize, v: usize| whole.level([u as f64 - 3.0 + shift as f64 / 4.0, v as f64]);
+            let from = |u: usize, v: usize| whole.interpolated_level([u as f64 - 3.0 + shift as f64 / 4.0, v as f64]);
             let gray = Gray::from_fn(SIZE.0, SIZE.1, |u, v| from(u, v) + noise(u, v));
             folder.picture(&format!("board {}.png", 6 * shift + k), &gray);
         }

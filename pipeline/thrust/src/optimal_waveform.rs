@@ -24,6 +24,8 @@ pub struct OptimalWaveforms {
     pub recorded: Flap,
     /// Square waves.
     pub sweep: Vec<Performed>,
+    /// How many further ones the reduced tail could not follow.
+    pub unsolved: usize,
     /// One a goal.
     pub optima: Vec<OptimalWaveform>,
 }
@@ -90,15 +92,12 @@ impl WaveformModel<'_> {
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion or has no adjoint.
     pub fn optimal_waveforms(&self, recorded: &Run) -> Result<OptimalWaveforms> {
-        let sweep: Vec<(Waveform, Cycle)> = Self::steepest_squares()
-            .into_par_iter()
-            .map(|waveform| {
-                let cycle = self.last_cycle(&waveform)?;
-                Ok((waveform, cycle))
-            })
-            .collect::<Result<_>>()?;
+        let squares = Self::steepest_squares();
+        let cycles: Vec<Result<Cycle>> = squares.par_iter().map(|waveform| self.last_cycle(waveform)).collect();
+        let (sweep, unsolved) = solved_cycles(squares, cycles)?;
         Ok(OptimalWaveforms {
             valve: self.valve,
+            unsolved,
             recorded: self.recorded_flap(recorded)?,
             sweep: sweep
                 .iter()
@@ -169,6 +168,27 @@ impl WaveformModel<'_> {
         let Performance { thrust, air, amplitude } = cycle.performance;
         let highest_pa = cycle.pressures.iter().flatten().copied().fold(0.0, f64::max);
         Performed { highest_pa, frequency_hz, thrust_n: thrust, air_m3_s: air, amplitude_m: amplitude }
+    }
+}
+
+/// Square waves with their cycles, and the number of those whose motion is not found: a reduced tail of thin walls does not follow every wave at the
+/// edge of the limits, and none of the others is lost for it.
+///
+/// # Errors
+/// The first [`Diagnostic`] when no motion is found at all.
+fn solved_cycles(squares: Vec<Waveform>, cycles: Vec<Result<Cycle>>) -> Result<(Vec<(Waveform, Cycle)>, usize)> {
+    let (mut solved, mut failures) = (Vec::new(), Vec::new());
+    // length: one cycle a wave
+    for (waveform, cycle) in squares.into_iter().zip(cycles) {
+        match cycle {
+            Ok(cycle) => solved.push((waveform, cycle)),
+            Err(failure) => failures.push(failure),
+        }
+    }
+    let count = failures.len();
+    match failures.into_iter().next() {
+        Some(failure) if solved.is_empty() => Err(failure),
+        _ => Ok((solved, count)),
     }
 }
 

@@ -223,7 +223,10 @@ impl WaveformModel<'_> {
         let iterations = self.limits.iterations.max(1);
         let settings = Settings { step: STEP, step_decay: STEP_DECAY, iterations, ..Settings::default() };
         let evaluation = |point: &Vec<f64>| -> Result<Evaluation> {
-            let (value, gradient) = self.gradient(goal, &waveform(point))?;
+            // a waveform that the reduced tail cannot follow is worth nothing, and ends no ascent
+            let Ok((value, gradient)) = self.gradient(goal, &waveform(point)) else {
+                return Ok(Evaluation::of_loss(point.clone(), f64::INFINITY));
+            };
             let gradient = Some(indices.iter().map(|n| -gradient[*n] * (high[*n] - low[*n])).collect());
             Ok(Evaluation { gradient, ..Evaluation::of_loss(point.clone(), -value) })
         };

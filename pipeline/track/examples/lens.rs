@@ -12,7 +12,7 @@ const SIZE: (usize, usize) = (1280, 720);
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let board = Board { columns: 9, rows: 6, square: 0.012 };
     let hidden = Lens { fx: 980.0, fy: 983.0, cx: 646.0, cy: 361.0, k1: -0.11, k2: 0.03, ..Lens::default() };
-    let corners = board.corners();
+    let corners = board.corner_points();
     // poses 0.2 m before the board, tilted by a quarter of a radian to all sides; noise of some hundredths of a pixel
     let view = |number: usize| {
         let turn = std::f64::consts::TAU * number as f64 / 12.0;
@@ -23,7 +23,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
             let [x, y] = hidden.project(pose.apply(at))?;
             Some([x + noise(corner, 0), y + noise(corner, 1)])
         };
-        Some(View::whole(corners.iter().enumerate().map(seen).collect::<Option<_>>()?))
+        Some(View::of_whole_board(corners.iter().enumerate().map(seen).collect::<Option<_>>()?))
     };
     let views: Vec<View> = (0..12).map(view).collect::<Option<_>>().ok_or("a corner is not seen")?;
     let calibration = calibrate(&views, &corners, Distortion::default(), SIZE)?;

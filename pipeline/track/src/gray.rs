@@ -67,8 +67,8 @@ impl PictureError {
         match self {
             Self::Png(source) => source.to_string(),
             Self::Size { width, height } => {
-                let most = MAX_PIXELS / 1_000_000;
-                format!("it has {width} × {height} px; the limits are 1 … {MAX_SIDE} px a side and {most} Mpx")
+                let megapixels = MAX_PIXELS / 1_000_000;
+                format!("it has {width} × {height} px; the limits are 1 … {MAX_SIDE} px a side and {megapixels} Mpx")
             }
             Self::Levels { levels, .. } => format!("it has {levels} grey levels; each pixel has one"),
             Self::Depth { bits, brightest } => {
@@ -128,25 +128,25 @@ impl Gray {
     }
 
     /// The grey level of pixel (x, y), which must lie inside.
-    pub fn at(&self, x: usize, y: usize) -> f64 {
+    pub fn pixel_level(&self, x: usize, y: usize) -> f64 {
         f64::from(self.pixels[y * self.width + x])
     }
 
     /// Whether (x, y) (px) lies at least `margin` pixels inside the outermost pixel centres.
-    pub fn holds(&self, [x, y]: si::Point2, margin: f64) -> bool {
+    pub(crate) fn holds_with_margin(&self, [x, y]: si::Point2, margin: f64) -> bool {
         let (right, bottom) = (self.width as f64 - 1.0, self.height as f64 - 1.0);
         x >= margin && y >= margin && x <= right - margin && y <= bottom - margin
     }
 
     /// The grey level at (x, y) (px), linear between pixel centres, the border's level outside.
-    pub fn level(&self, [x, y]: si::Point2) -> f64 {
+    pub fn interpolated_level(&self, [x, y]: si::Point2) -> f64 {
         let x = x.clamp(0.0, self.width as f64 - 1.0);
         let y = y.clamp(0.0, self.height as f64 - 1.0);
         let (left, top) = (x as usize, y as usize);
         let (right, bottom) = ((left + 1).min(self.width - 1), (top + 1).min(self.height - 1));
         let (u, v) = (x - left as f64, y - top as f64);
-        let upper = self.at(left, top) * (1.0 - u) + self.at(right, top) * u;
-        let lower = self.at(left, bottom) * (1.0 - u) + self.at(right, bottom) * u;
+        let upper = self.pixel_level(left, top) * (1.0 - u) + self.pixel_level(right, top) * u;
+        let lower = self.pixel_level(left, bottom) * (1.0 - u) + self.pixel_level(right, bottom) * u;
         upper * (1.0 - v) + lower * v
     }
 
@@ -187,7 +187,7 @@ impl Gray {
     }
 
     /// A picture from a PNG or a JPEG that is being read, by its first bytes.
-    pub(crate) fn read(mut from: impl BufRead + Seek, depth: &mut Depth) -> Result<Self, PictureError> {
+    pub(crate) fn read_image(mut from: impl BufRead + Seek, depth: &mut Depth) -> Result<Self, PictureError> {
         let is_jpeg = from.fill_buf().map_err(image::ImageError::from)?.starts_with(&JPEG);
         if is_jpeg { Self::read_jpeg(from) } else { Self::read_png(from, depth) }
     }
@@ -198,7 +198,7 @@ impl Gray {
         if !is_picture_size(width.into(), height.into()) {
             return Err(PictureError::Size { width, height });
         }
-        Self::decoded(decoder, &mut Depth::default())
+        Self::decode_luma(decoder, &mut Depth::default())
     }
 
     /// A picture from a PNG that is being read; its size is held against the limits before a pixel is decoded.
@@ -211,18 +211,18 @@ impl Gray {
         }
         let mut limits = Limits::no_limits();
         limits.max_alloc = Some(MAX_DECODED_BYTES);
-        Self::decoded(PngDecoder::with_limits(from, limits)?, depth)
+        Self::decode_luma(PngDecoder::with_limits(from, limits)?, depth)
     }
 
     /// The luma of a picture, upright by its EXIF.
-    fn decoded(mut decoder: impl ImageDecoder, depth: &mut Depth) -> Result<Self, PictureError> {
+    fn decode_luma(mut decoder: impl ImageDecoder, depth: &mut Depth) -> Result<Self, PictureError> {
         let bytes = decoder.total_bytes();
         if bytes > MAX_DECODED_BYTES {
             return Err(PictureError::Memory { bytes });
         }
         // an EXIF that cannot be read says nothing
         let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-        let mut picture = depth.levelled(DynamicImage::from_decoder(decoder)?)?;
+        let mut picture = depth.spread_levels(DynamicImage::from_decoder(decoder)?)?;
         picture.apply_orientation(orientation);
         let luma = picture.into_luma8();
         let (width, height) = (luma.width() as usize, luma.height() as usize);
@@ -239,7 +239,7 @@ const DEPTHS: [u32; 4] = [10, 12, 14, 16];
 
 impl Depth {
     /// A picture of 16 bits with its levels spread over all of them; the first picture says how many bits it has.
-    fn levelled(&mut self, picture: DynamicImage) -> Result<DynamicImage, PictureError> {
+    fn spread_levels(&mut self, picture: DynamicImage) -> Result<DynamicImage, PictureError> {
         if !matches!(picture.color(), ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16) {
             return Ok(picture);
         }
@@ -357,12 +357,12 @@ mod tests {
                 .concat();
         let segment = [&[0xff, 0xe1][..], &(tiff.len() as u16 + 2).to_be_bytes(), &tiff].concat();
         let bytes = [&jpeg[..2], &segment, &jpeg[2..]].concat();
-        Gray::read(Cursor::new(bytes), &mut Depth::default()).unwrap()
+        Gray::read_image(Cursor::new(bytes), &mut Depth::default()).unwrap()
     }
 
     #[test]
     fn a_photograph_is_upright_by_its_exif() {
-        let at = |orientation, x, y| oriented(orientation).at(x, y) > 120.0;
+        let at = |orientation, x, y| oriented(orientation).pixel_level(x, y) > 120.0;
         assert_eq!([at(1, 2, 8), at(1, 21, 8), at(3, 2, 8), at(3, 21, 8)], [false, true, true, false]);
         // 6 is a quarter clockwise: what was left is up
         let turned = oriented(6);
@@ -374,8 +374,8 @@ mod tests {
     #[test]
     fn a_slope_is_met_between_pixels() {
         let slope = Gray::from_fn(20, 10, |x, y| 3.0 * x as f64 + 5.0 * y as f64);
-        assert!((slope.level([4.25, 3.5]) - (12.75 + 17.5)).abs() < 1e-12);
-        assert_eq!(slope.crop(4, 3, 100, 2).at(1, 1), 35.0);
+        assert!((slope.interpolated_level([4.25, 3.5]) - (12.75 + 17.5)).abs() < 1e-12);
+        assert_eq!(slope.crop(4, 3, 100, 2).pixel_level(1, 1), 35.0);
         assert_eq!(slope.crop(4, 3, 100, 2).width, 16);
     }
 }

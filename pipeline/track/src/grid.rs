@@ -64,26 +64,26 @@ const SHIFT_STEP: f64 = 1e-7;
 ///
 /// None where too few segments of lines are seen.
 pub fn find_pose(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Option<CameraPose> {
-    let mut ties = View { picture, sight, grid }.ties();
+    let mut ties = View { picture, sight, grid }.segment_ties();
     let mut pose = sight.pose;
     for _ in 0..ROUNDS {
         if ties.len() < FEWEST {
             return None;
         }
-        pose = settled(&ties, &RefractiveCamera { pose, ..*sight }, grid.height)?;
+        pose = refine_pose(&ties, &RefractiveCamera { pose, ..*sight }, grid.height)?;
         let now = RefractiveCamera { pose, ..*sight };
-        let off = |tie: &Tie| left(&now, tie, grid.height).map_or(f64::INFINITY, f64::abs);
-        let mut sizes: Vec<f64> = ties.iter().map(off).collect();
+        let miss = |tie: &Tie| line_miss(&now, tie, grid.height).map_or(f64::INFINITY, f64::abs);
+        let mut sizes: Vec<f64> = ties.iter().map(miss).collect();
         sizes.sort_by(f64::total_cmp);
         let limit = STRAY * sizes[sizes.len() / 2].max(1e-7);
-        let before = ties.len();
-        ties.retain(|tie| off(tie) <= limit);
-        if ties.len() == before {
+        let count_before = ties.len();
+        ties.retain(|tie| miss(tie) <= limit);
+        if ties.len() == count_before {
             break;
         }
     }
     let now = RefractiveCamera { pose, ..*sight };
-    let squares: f64 = ties.iter().filter_map(|tie| left(&now, tie, grid.height)).map(|off| off * off).sum();
+    let squares: f64 = ties.iter().filter_map(|tie| line_miss(&now, tie, grid.height)).map(|miss| miss * miss).sum();
     Some(CameraPose { pose, segments: ties.len(), rms_error: (squares / ties.len() as f64).sqrt() })
 }
 
@@ -97,19 +97,19 @@ struct View<'a> {
 
 impl View<'_> {
     /// Middles of all segments that the picture shows.
-    fn ties(&self) -> Vec<Tie> {
-        let Some([low, high]) = self.shown() else { return Vec::new() };
+    fn segment_ties(&self) -> Vec<Tie> {
+        let Some([low, high]) = self.visible_lines() else { return Vec::new() };
         let mut ties = Vec::new();
         for axis in [0, 1] {
-            let other = 1 - axis;
+            let cross_axis = 1 - axis;
             for line in low[axis]..=high[axis] {
-                for piece in low[other]..high[other] {
+                for piece in low[cross_axis]..high[cross_axis] {
                     for cut in CUTS {
-                        let mut at = [0.0; 2];
-                        at[axis] = line as f64 * self.grid.pitch;
-                        at[other] = (piece as f64 + cut) * self.grid.pitch;
-                        let pixel = self.middle(at, axis);
-                        ties.extend(pixel.map(|pixel| Tie { pixel, axis, at: at[axis] }));
+                        let mut point = [0.0; 2];
+                        point[axis] = line as f64 * self.grid.pitch;
+                        point[cross_axis] = (piece as f64 + cut) * self.grid.pitch;
+                        let pixel = self.line_middle(point, axis);
+                        ties.extend(pixel.map(|pixel| Tie { pixel, axis, at: point[axis] }));
                     }
                 }
             }
@@ -118,32 +118,36 @@ impl View<'_> {
     }
 
     /// The least and greatest number of a line along each axis that the picture can show.
-    fn shown(&self) -> Option<[[i64; 2]; 2]> {
+    fn visible_lines(&self) -> Option<[[i64; 2]; 2]> {
         let Self { picture, sight, grid } = *self;
         let (right, bottom) = (picture.width as f64 - 1.0, picture.height as f64 - 1.0);
         let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
-        let met: Vec<Point2> = corners.iter().map(|c| sight.intersect(*c, grid.height)).collect::<Option<_>>()?;
-        let end = |axis: usize, most: fn(f64, f64) -> f64, from: f64| met.iter().map(|p| p[axis]).fold(from, most);
+        let corners_on_plane: Vec<Point2> =
+            corners.iter().map(|c| sight.intersect(*c, grid.height)).collect::<Option<_>>()?;
+        let end = |axis: usize, extreme: fn(f64, f64) -> f64, initial: f64| {
+            corners_on_plane.iter().map(|p| p[axis]).fold(initial, extreme)
+        };
         let low = [0, 1].map(|k| (end(k, f64::min, f64::INFINITY) / grid.pitch).ceil() as i64);
         let high = [0, 1].map(|k| (end(k, f64::max, f64::NEG_INFINITY) / grid.pitch).floor() as i64);
         Some([low, high])
     }
 
-    /// The middle of the bright line across `at`, px; none where there is no line alone.
-    fn middle(&self, at: Point2, axis: usize) -> Option<Point2> {
+    /// The middle of the bright line across `segment`, px; none where there is no line alone.
+    fn line_middle(&self, segment: Point2, axis: usize) -> Option<Point2> {
         let Self { picture, sight, grid } = *self;
-        let across = |part: f64| {
-            let mut there = at;
-            there[axis] += part * REACH * grid.pitch;
-            there
+        let offset_point = |part: f64| {
+            let mut point = segment;
+            point[axis] += part * REACH * grid.pitch;
+            point
         };
-        let ends = [pixel_of(sight, across(-1.0), grid.height)?, pixel_of(sight, across(1.0), grid.height)?];
-        if ends.iter().any(|end| !picture.holds(*end, 1.0)) {
+        let ends =
+            [pixel_of(sight, offset_point(-1.0), grid.height)?, pixel_of(sight, offset_point(1.0), grid.height)?];
+        if ends.iter().any(|end| !picture.holds_with_margin(*end, 1.0)) {
             return None;
         }
         let count = 2 * SAMPLES + 1;
-        let place = |i: f64| [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * i / (count - 1) as f64);
-        let levels: Vec<f64> = (0..count).map(|i| picture.level(place(i as f64))).collect();
+        let pixel_at = |i: f64| [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * i / (count - 1) as f64);
+        let levels: Vec<f64> = (0..count).map(|i| picture.interpolated_level(pixel_at(i as f64))).collect();
         let sides =
             [&levels[..SAMPLES / 3], &levels[count - SAMPLES / 3..]].map(|s| s.iter().sum::<f64>() / s.len() as f64);
         let (ground, top) = (0.5 * (sides[0] + sides[1]), levels.iter().copied().fold(f64::MIN, f64::max));
@@ -155,7 +159,7 @@ impl View<'_> {
         let mean = levels.iter().enumerate().map(|(i, l)| i as f64 * weight(l)).sum::<f64>() / sum;
         let spread = levels.iter().enumerate().map(|(i, l)| (i as f64 - mean).powi(2) * weight(l)).sum::<f64>() / sum;
         let width = (12.0 * spread).sqrt() / (count - 1) as f64 * 2.0 * REACH;
-        (width <= WIDEST).then(|| place(mean))
+        (width <= WIDEST).then(|| pixel_at(mean))
     }
 }
 
@@ -175,22 +179,24 @@ fn pixel_of(sight: &RefractiveCamera, at: Point2, height: Metre) -> Option<Point
 }
 
 /// By how much a tie's ray misses its line, m.
-fn left(sight: &RefractiveCamera, tie: &Tie, height: Metre) -> Option<Metre> {
-    sight.intersect(tie.pixel, height).map(|met| met[tie.axis] - tie.at)
+fn line_miss(sight: &RefractiveCamera, tie: &Tie, height: Metre) -> Option<Metre> {
+    sight.intersect(tie.pixel, height).map(|point| point[tie.axis] - tie.at)
 }
 
 /// Gauss-Newton over turn and shift.
-fn settled(ties: &[Tie], from: &RefractiveCamera, height: Metre) -> Option<Pose> {
-    let mut pose = from.pose;
+fn refine_pose(ties: &[Tie], start: &RefractiveCamera, height: Metre) -> Option<Pose> {
+    let mut pose = start.pose;
     for _ in 0..STEPS {
         let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
         for tie in ties {
-            let Some((off, slope)) = sloped(tie, &RefractiveCamera { pose, ..*from }, height) else { continue };
+            let Some((miss, slope)) = miss_with_slope(tie, &RefractiveCamera { pose, ..*start }, height) else {
+                continue;
+            };
             normal += slope * slope.transpose();
-            right -= slope * off;
+            right -= slope * miss;
         }
         let step = normal.cholesky()?.solve(&right);
-        pose = pose.moved([step[0], step[1], step[2]], [step[3], step[4], step[5]]);
+        pose = pose.rotated_and_shifted([step[0], step[1], step[2]], [step[3], step[4], step[5]]);
         if step.norm() < 1e-10 {
             break;
         }
@@ -199,17 +205,17 @@ fn settled(ties: &[Tie], from: &RefractiveCamera, height: Metre) -> Option<Pose>
 }
 
 /// A tie's miss (m) and its slope by turn (rad) and shift (m), by central differences.
-fn sloped(tie: &Tie, sight: &RefractiveCamera, height: Metre) -> Option<(Metre, Vector6<f64>)> {
-    let moved = |k: usize, by: f64| {
-        let axis = |from: usize| std::array::from_fn(|i| if from + i == k { by } else { 0.0 });
-        left(&RefractiveCamera { pose: sight.pose.moved(axis(0), axis(3)), ..*sight }, tie, height)
+fn miss_with_slope(tie: &Tie, sight: &RefractiveCamera, height: Metre) -> Option<(Metre, Vector6<f64>)> {
+    let perturbed_miss = |k: usize, change: f64| {
+        let axis = |from: usize| std::array::from_fn(|i| if from + i == k { change } else { 0.0 });
+        line_miss(&RefractiveCamera { pose: sight.pose.rotated_and_shifted(axis(0), axis(3)), ..*sight }, tie, height)
     };
     let mut slope = Vector6::zeros();
     for k in 0..6 {
         let step = if k < 3 { TURN_STEP } else { SHIFT_STEP };
-        slope[k] = (moved(k, step)? - moved(k, -step)?) / (2.0 * step);
+        slope[k] = (perturbed_miss(k, step)? - perturbed_miss(k, -step)?) / (2.0 * step);
     }
-    Some((left(sight, tie, height)?, slope))
+    Some((line_miss(sight, tie, height)?, slope))
 }
 
 #[cfg(test)]
@@ -227,7 +233,7 @@ mod tests {
             translation: [-0.058, 0.002, 0.205],
         };
         let water = water.then_some(Water { surface: 0.05, index: 1.333 });
-        RefractiveCamera { lens, pose: down.moved([0.02, -0.03, 0.01], [0.0; 3]), water }
+        RefractiveCamera { lens, pose: down.rotated_and_shifted([0.02, -0.03, 0.01], [0.0; 3]), water }
     }
 
     /// A plate seen by that sight: lines 0.8 mm wide, a dark body on a part of it, uneven light.
@@ -249,7 +255,10 @@ mod tests {
     fn a_nudged_camera_is_found_by_the_lines_under_it_in_air_and_through_water() {
         for water in [false, true] {
             let truth = sight(water);
-            let nudged = RefractiveCamera { pose: truth.pose.moved([8e-4, -6e-4, 5e-4], [2e-4, -3e-4, 2e-4]), ..truth };
+            let nudged = RefractiveCamera {
+                pose: truth.pose.rotated_and_shifted([8e-4, -6e-4, 5e-4], [2e-4, -3e-4, 2e-4]),
+                ..truth
+            };
             let found = find_pose(&plate(&truth), &nudged, &GRID).unwrap();
             // what a height over the plane is seen at moves by less than a hundredth of a millimetre
             let off = |s: &RefractiveCamera, pixel: Point2| s.intersect(pixel, 0.01).unwrap();

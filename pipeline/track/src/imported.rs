@@ -28,7 +28,7 @@ impl ImportedTrack {
     }
 
     /// Its places and their covariances.
-    pub fn places(&self) -> (Vec<Point2>, Vec<[f64; 3]>) {
+    pub fn places_with_covariances(&self) -> (Vec<Point2>, Vec<[f64; 3]>) {
         let covariance = |seen: &Observation| [seen.covariance[0][0], seen.covariance[0][1], seen.covariance[1][1]];
         self.seen.iter().map(|seen| (seen.at, covariance(seen))).unzip()
     }
@@ -51,7 +51,7 @@ pub struct Limits {
 
 impl Limits {
     /// Those of this tracker, px.
-    pub fn of(set: &Settings) -> Self {
+    pub fn from_settings(set: &Settings) -> Self {
         let (step, neighbour_distance, longest_gap) = (set.jump_limit, set.neighbour_distance_limit, set.patience);
         let source = "study.toml, [track] jump_limit and neighbour_distance_limit";
         Self { step, neighbour_distance, longest_gap, unit: "px", source }
@@ -131,13 +131,13 @@ pub enum ImportedError {
 ///
 /// # Errors
 /// [`ImportedError`] with marker and frame.
-pub fn accept(tracks: &mut [ImportedTrack], limits: &Limits) -> Result<(), ImportedError> {
+pub fn check_tracks(tracks: &mut [ImportedTrack], limits: &Limits) -> Result<(), ImportedError> {
     for track in tracks.iter() {
         check_gaps(track, limits.longest_gap)?;
         check_steps(track, limits)?;
     }
     for one in 0..tracks.len() {
-        for other in neighbours(tracks, one) {
+        for other in nearest_markers(tracks, one) {
             check_distance([&tracks[one], &tracks[other]], limits)?;
         }
     }
@@ -211,9 +211,9 @@ fn check_steps(track: &ImportedTrack, limits: &Limits) -> Result<(), ImportedErr
 
 fn check_distance([one, other]: [&ImportedTrack; 2], limits: &Limits) -> Result<(), ImportedError> {
     // length: tracks of the same frames
-    let apart = one.seen.iter().zip(&other.seen).map(|(a, b)| (a.seen && b.seen).then(|| distance(a.at, b.at)));
-    let apart: Vec<Option<f64>> = apart.collect();
-    for (frame, pair) in apart.windows(2).enumerate() {
+    let distances = one.seen.iter().zip(&other.seen).map(|(a, b)| (a.seen && b.seen).then(|| distance(a.at, b.at)));
+    let distances: Vec<Option<f64>> = distances.collect();
+    for (frame, pair) in distances.windows(2).enumerate() {
         let Some(measured) = pair[0].zip(pair[1]).map(|(before, now)| (now / before - 1.0).abs()) else { continue };
         // two markers at one place have no distance to change
         if measured > limits.neighbour_distance || measured.is_nan() {
@@ -229,12 +229,12 @@ fn check_distance([one, other]: [&ImportedTrack; 2], limits: &Limits) -> Result<
 const NEAREST: usize = 2;
 
 /// The markers nearest to one in the first frame.
-fn neighbours(tracks: &[ImportedTrack], one: usize) -> Vec<usize> {
+fn nearest_markers(tracks: &[ImportedTrack], marker: usize) -> Vec<usize> {
     let first = |k: usize| tracks[k].seen.first().map_or([f64::NAN; 2], |seen| seen.at);
-    let mut others: Vec<usize> = (0..tracks.len()).filter(|k| *k != one).collect();
-    others.sort_by(|a, b| distance(first(one), first(*a)).total_cmp(&distance(first(one), first(*b))));
-    others.truncate(NEAREST);
-    others
+    let mut candidates: Vec<usize> = (0..tracks.len()).filter(|k| *k != marker).collect();
+    candidates.sort_by(|a, b| distance(first(marker), first(*a)).total_cmp(&distance(first(marker), first(*b))));
+    candidates.truncate(NEAREST);
+    candidates
 }
 
 fn distance(a: Point2, b: Point2) -> f64 {
@@ -266,13 +266,13 @@ mod tests {
     fn refused(change: impl FnOnce(&mut Vec<ImportedTrack>)) -> String {
         let mut tracks = swinging();
         change(&mut tracks);
-        accept(&mut tracks, &LIMITS).unwrap_err().to_string()
+        check_tracks(&mut tracks, &LIMITS).unwrap_err().to_string()
     }
 
     #[test]
     fn a_swing_is_accepted_as_it_is() {
         let mut tracks = swinging();
-        accept(&mut tracks, &LIMITS).unwrap();
+        check_tracks(&mut tracks, &LIMITS).unwrap();
         assert_eq!(tracks, swinging());
     }
 
@@ -299,7 +299,7 @@ mod tests {
             let places = |k| (0..80).map(move |frame| (Some(at(k, frame)), [0.25, 0.0, 0.25]));
             (0..2).map(|k| ImportedTrack::new(&format!("m{k}"), places(k))).collect()
         };
-        let check = |frames: &dyn Fn(usize) -> usize, size| accept(&mut tracks(frames, size), &LIMITS);
+        let check = |frames: &dyn Fn(usize) -> usize, size| check_tracks(&mut tracks(frames, size), &LIMITS);
         assert_eq!(check(&|frame| frame, 10.0), Ok(()));
         let said = check(&order, 10.0).unwrap_err().to_string();
         assert!(said.contains("do not follow each other") && said.contains("the order of the film"), "{said}");
@@ -328,7 +328,7 @@ mod tests {
         };
         let mut tracks = swinging();
         lose(&mut tracks, 20..25);
-        accept(&mut tracks, &LIMITS).unwrap();
+        check_tracks(&mut tracks, &LIMITS).unwrap();
         let off = tracks[2].seen.iter().zip(&swinging()[2].seen).map(|(a, b)| distance(a.at, b.at)).fold(0.0, f64::max);
         // a cubic over a fifth of a cycle of 80 px
         assert!(off < 2.0 && tracks[2].seen[22].covariance[1][1] > 0.02, "{off}");

@@ -16,7 +16,7 @@ pub fn brightness(picture: &Gray, centre: Point2, radius: f64) -> f64 {
         for x in span(centre[0], picture.width) {
             let away = (x as f64 - centre[0]).hypot(y as f64 - centre[1]);
             let share = (radius + 0.5 - away).clamp(0.0, 1.0);
-            sum += share * picture.at(x, y);
+            sum += share * picture.pixel_level(x, y);
             weight += share;
         }
     }

@@ -18,12 +18,12 @@ impl Pose {
     /// A pose from a rotation vector (axis × angle, rad) and a shift (m).
     pub fn from_vector(turn: Point3, translation: Point3) -> Self {
         let matrix = Rotation3::new(Vector3::from(turn)).into_inner();
-        Self { rotation: rows(&matrix), translation }
+        Self { rotation: matrix_rows(&matrix), translation }
     }
 
     /// The rotation as axis × angle, rad, angle within 0 … π.
-    pub fn turn(&self) -> Point3 {
-        Rotation3::from_matrix_unchecked(self.matrix()).scaled_axis().into()
+    pub fn rotation_vector(&self) -> Point3 {
+        Rotation3::from_matrix_unchecked(self.rotation_matrix()).scaled_axis().into()
     }
 
     /// A point of the world (m) in the camera's frame (m).
@@ -45,8 +45,8 @@ impl Pose {
 
     /// The pose turned by a small rotation vector `turn` (rad) of the camera's frame about its own origin, then shifted (m):
     /// R ← exp(turn) R, t ← t + shift.
-    pub fn moved(&self, turn: Point3, shift: Point3) -> Self {
-        let turned = Rotation3::new(Vector3::from(turn)).into_inner() * self.matrix();
+    pub fn rotated_and_shifted(&self, turn: Point3, shift: Point3) -> Self {
+        let turned = Rotation3::new(Vector3::from(turn)).into_inner() * self.rotation_matrix();
         Self::from_matrix(&turned, vec3::add(self.translation, shift).into())
     }
 
@@ -56,7 +56,7 @@ impl Pose {
     }
 
     /// R as a matrix.
-    pub(crate) fn matrix(&self) -> Matrix3<f64> {
+    pub(crate) fn rotation_matrix(&self) -> Matrix3<f64> {
         Matrix3::from_fn(|i, j| self.rotation[i][j])
     }
 
@@ -71,11 +71,11 @@ impl Pose {
             }
             _ => *near,
         };
-        Self { rotation: rows(&nearest), translation: translation.into() }
+        Self { rotation: matrix_rows(&nearest), translation: translation.into() }
     }
 }
 
-fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+fn matrix_rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)]))
 }
 
@@ -94,6 +94,6 @@ mod tests {
     #[test]
     fn a_turn_is_read_back() {
         let turn = [0.3, -2.0, 0.7];
-        assert!(vec3::norm(vec3::sub(Pose::from_vector(turn, [0.0; 3]).turn(), turn)) < 1e-12);
+        assert!(vec3::norm(vec3::sub(Pose::from_vector(turn, [0.0; 3]).rotation_vector(), turn)) < 1e-12);
     }
 }

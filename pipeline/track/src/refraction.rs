@@ -50,25 +50,25 @@ impl RefractiveCamera {
     /// None where the lens has no ray, or the ray runs along that height or away from it.
     pub fn intersect(&self, pixel: Point2, height: Metre) -> Option<Point2> {
         let [u, v] = self.lens.unproject(pixel)?;
-        let (eye, along) = (self.pose.centre(), self.pose.direction_to_world([u, v, 1.0]));
+        let (eye, direction) = (self.pose.centre(), self.pose.direction_to_world([u, v, 1.0]));
         match self.water {
             Some(water) if height < water.surface && water.surface < eye[2] => {
-                let [x, y] = intersect_plane(eye, along, water.surface)?;
-                intersect_plane([x, y, water.surface], water.refract(along), height)
+                let [x, y] = intersect_plane(eye, direction, water.surface)?;
+                intersect_plane([x, y, water.surface], water.refract(direction), height)
             }
-            _ => intersect_plane(eye, along, height),
+            _ => intersect_plane(eye, direction, height),
         }
     }
 
     /// d(place)/d(pixel), 2 × 2, m/px: rows x and y of the world, columns x and y of the picture; by central differences.
     pub fn by_pixel(&self, pixel: Point2, height: Metre) -> Option<[[f64; 2]; 2]> {
         let column = |k: usize| {
-            let moved = |by: f64| {
-                let mut there = pixel;
-                there[k] += by;
-                self.intersect(there, height)
+            let perturbed = |change: f64| {
+                let mut shifted_pixel = pixel;
+                shifted_pixel[k] += change;
+                self.intersect(shifted_pixel, height)
             };
-            difference(moved(PIXEL_STEP)?, moved(-PIXEL_STEP)?, PIXEL_STEP)
+            central_difference(perturbed(PIXEL_STEP)?, perturbed(-PIXEL_STEP)?, PIXEL_STEP)
         };
         let [a, b] = [column(0)?, column(1)?];
         Some([[a[0], b[0]], [a[1], b[1]]])
@@ -76,35 +76,37 @@ impl RefractiveCamera {
 
     /// d(place)/d(cause), m over the unit of each of [`ERROR_SOURCES`]; by central differences.
     pub fn by_error_sources(&self, pixel: Point2, height: Metre) -> Option<[Point2; ERROR_SOURCES]> {
-        let mut all = [[0.0; 2]; ERROR_SOURCES];
-        for (cause, slope) in all.iter_mut().enumerate() {
+        let mut derivatives = [[0.0; 2]; ERROR_SOURCES];
+        for (cause, slope) in derivatives.iter_mut().enumerate() {
             if (self.lens.count()..VALUES).contains(&cause)
                 || (self.water.is_none() && matches!(cause, SURFACE | INDEX))
             {
                 continue;
             }
-            let step = step(cause);
-            let moved =
-                |by: f64| self.moved(cause, by).intersect(pixel, height + if cause == HEIGHT { by } else { 0.0 });
-            *slope = difference(moved(step)?, moved(-step)?, step)?;
+            let step = difference_step(cause);
+            let perturbed = |change: f64| {
+                self.perturbed_camera(cause, change)
+                    .intersect(pixel, height + if cause == HEIGHT { change } else { 0.0 })
+            };
+            *slope = central_difference(perturbed(step)?, perturbed(-step)?, step)?;
         }
-        Some(all)
+        Some(derivatives)
     }
 
     /// The same sight with one of its causes moved.
-    fn moved(&self, cause: usize, by: f64) -> Self {
+    fn perturbed_camera(&self, cause: usize, change: f64) -> Self {
         let mut next = *self;
-        let axis = |k: usize| std::array::from_fn(|i| if i == k { by } else { 0.0 });
+        let axis = |k: usize| std::array::from_fn(|i| if i == k { change } else { 0.0 });
         match cause {
             0..VALUES => {
                 let mut values = self.lens.values();
-                values[cause] += by;
-                next.lens = self.lens.with(values);
+                values[cause] += change;
+                next.lens = self.lens.with_values(values);
             }
-            9..12 => next.pose = self.pose.moved(axis(cause - VALUES), [0.0; 3]),
-            12..CAMERA_PARAMETERS => next.pose = self.pose.moved([0.0; 3], axis(cause - VALUES - 3)),
-            SURFACE => next.water = self.water.map(|w| Water { surface: w.surface + by, ..w }),
-            INDEX => next.water = self.water.map(|w| Water { index: w.index + by, ..w }),
+            9..12 => next.pose = self.pose.rotated_and_shifted(axis(cause - VALUES), [0.0; 3]),
+            12..CAMERA_PARAMETERS => next.pose = self.pose.rotated_and_shifted([0.0; 3], axis(cause - VALUES - 3)),
+            SURFACE => next.water = self.water.map(|w| Water { surface: w.surface + change, ..w }),
+            INDEX => next.water = self.water.map(|w| Water { index: w.index + change, ..w }),
             _ => {}
         }
         next
@@ -115,15 +117,15 @@ impl Water {
     /// The direction of a ray after refraction at the surface, from above.
     ///
     /// t = i / n + (c / n − √(1 − (1 − c²) / n²)) z with c = −i · z    (Snell as vectors, the surface level)
-    fn refract(&self, along: Point3) -> Point3 {
-        let ray = vec3::scale(along, 1.0 / vec3::norm(along));
+    fn refract(&self, direction: Point3) -> Point3 {
+        let ray = vec3::scale(direction, 1.0 / vec3::norm(direction));
         let (c, n) = (-ray[2], self.index);
-        let down = c / n - (1.0 - (1.0 - c * c) / (n * n)).sqrt();
-        [ray[0] / n, ray[1] / n, ray[2] / n + down]
+        let vertical_part = c / n - (1.0 - (1.0 - c * c) / (n * n)).sqrt();
+        [ray[0] / n, ray[1] / n, ray[2] / n + vertical_part]
     }
 }
 
-fn step(cause: usize) -> f64 {
+fn difference_step(cause: usize) -> f64 {
     match cause {
         0..4 => PIXEL_STEP,
         4..VALUES => BEND_STEP,
@@ -133,7 +135,7 @@ fn step(cause: usize) -> f64 {
     }
 }
 
-fn difference(up: Point2, down: Point2, step: f64) -> Option<Point2> {
+fn central_difference(up: Point2, down: Point2, step: f64) -> Option<Point2> {
     let slope = [0, 1].map(|i| (up[i] - down[i]) / (2.0 * step));
     slope.iter().all(|s| s.is_finite()).then_some(slope)
 }
@@ -150,7 +152,7 @@ mod tests {
     use crate::lens::invert;
 
     fn sight(water: Option<Water>) -> RefractiveCamera {
-        let lens = Lens::default().with([1473.0, 1478.0, 969.0, 541.0, -0.05, 0.02, 2e-4, -3e-4, 0.0]);
+        let lens = Lens::default().with_values([1473.0, 1478.0, 969.0, 541.0, -0.05, 0.02, 2e-4, -3e-4, 0.0]);
         let pose = Pose::from_vector([std::f64::consts::PI - 0.2, 0.1, 0.05], [-0.05, 0.02, 0.6]);
         RefractiveCamera { lens, pose, water }
     }

@@ -22,7 +22,7 @@ pub struct SceneCuts {
 impl SceneCuts {
     /// Whether the scene was cut between the frame of the last call and this one.
     pub fn is_cut(&mut self, picture: &Gray) -> bool {
-        let now = blocks(picture);
+        let now = block_deviations(picture);
         let correlation = self.before.as_ref().filter(|b| b.len() == now.len()).map(|b| correlation(b, &now));
         self.before = Some(now);
         let cut = self.steady && correlation.is_some_and(|c| c < LIMIT);
@@ -32,13 +32,13 @@ impl SceneCuts {
 }
 
 /// Means of square blocks, less the mean of all.
-fn blocks(picture: &Gray) -> Vec<f64> {
+fn block_deviations(picture: &Gray) -> Vec<f64> {
     let side = (picture.width.max(picture.height) / BLOCKS).max(1);
-    let down = picture.height / side;
-    let bands = picture.pixels.chunks_exact(side * picture.width).take(down);
-    let all: Vec<f64> = bands.flat_map(|band| band_means(band, picture.width, side)).collect();
-    let middle = all.iter().sum::<f64>() / all.len().max(1) as f64;
-    all.into_iter().map(|level| level - middle).collect()
+    let band_count = picture.height / side;
+    let bands = picture.pixels.chunks_exact(side * picture.width).take(band_count);
+    let means: Vec<f64> = bands.flat_map(|band| band_means(band, picture.width, side)).collect();
+    let mean = means.iter().sum::<f64>() / means.len().max(1) as f64;
+    means.into_iter().map(|level| level - mean).collect()
 }
 
 /// Means of the blocks in a band of `side` lines. Line by line, so that sums of neighbouring bytes are formed in vector registers.
@@ -82,7 +82,7 @@ mod tests {
         let mut cuts = SceneCuts::default();
         let dimmed = |k: u32| {
             let bright = scene(1.0, 100.0);
-            if k < 5 { bright } else { Gray::from_fn(320, 240, |u, v| 0.4 * bright.at(u, v)) }
+            if k < 5 { bright } else { Gray::from_fn(320, 240, |u, v| 0.4 * bright.pixel_level(u, v)) }
         };
         assert!((0..10).all(|k| !cuts.is_cut(&dimmed(k))));
     }
@@ -91,7 +91,7 @@ mod tests {
     fn blocks_are_means_of_squares_less_the_mean_of_all() {
         // 96 × 6 px: blocks of 2 × 2 px, the column of a pixel as its level
         let picture = Gray::from_fn(96, 6, |u, _| u as f64);
-        let found = blocks(&picture);
+        let found = block_deviations(&picture);
         assert_eq!(found.len(), 48 * 3);
         // the first block has the levels 0 and 1, the mean of all is 47.5
         assert!((found[0] + 47.0).abs() < 1e-12 && (found[47] - 47.0).abs() < 1e-12, "{found:?}");

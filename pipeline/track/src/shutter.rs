@@ -16,7 +16,7 @@ pub struct Shutter {
 
 impl Shutter {
     /// How much later than its frame's time, which is the middle row's, row `v` (px) is read, s.
-    pub fn delay(&self, v: f64) -> Second {
+    pub fn row_delay(&self, v: f64) -> Second {
         let last = self.height.max(2) as f64 - 1.0;
         self.readout * (v / last - 0.5)
     }
@@ -30,18 +30,18 @@ pub fn at_times(wanted: &[Second], read: &[Second], path: &[Point2]) -> Vec<Poin
     if path.len() < AROUND || wanted == read {
         return path.to_vec();
     }
-    let one = |(frame, t): (usize, &Second)| {
-        let before = if *t < read[frame] { 2 } else { 1 };
-        let first = frame.saturating_sub(before).min(path.len() - AROUND);
-        let weights = lagrange(&read[first..first + AROUND], *t);
+    let interpolate = |(frame, t): (usize, &Second)| {
+        let points_before = if *t < read[frame] { 2 } else { 1 };
+        let first = frame.saturating_sub(points_before).min(path.len() - AROUND);
+        let weights = lagrange_weights(&read[first..first + AROUND], *t);
         weights.iter().zip(&path[first..]).fold([0.0; 2], |sum, (w, p)| [sum[0] + w * p[0], sum[1] + w * p[1]])
     };
-    wanted.iter().enumerate().map(one).collect()
+    wanted.iter().enumerate().map(interpolate).collect()
 }
 
-/// Weights of the values at `at` in the cubic through them, at `t`.
-fn lagrange(at: &[Second], t: Second) -> [f64; AROUND] {
-    let weight = |i: usize| (0..AROUND).filter(|j| *j != i).map(|j| (t - at[j]) / (at[i] - at[j])).product();
+/// Weights of the values at `nodes` in the cubic through them, at `t`.
+fn lagrange_weights(nodes: &[Second], t: Second) -> [f64; AROUND] {
+    let weight = |i: usize| (0..AROUND).filter(|j| *j != i).map(|j| (t - nodes[j]) / (nodes[i] - nodes[j])).product();
     std::array::from_fn(weight)
 }
 
@@ -54,7 +54,7 @@ mod tests {
         let shutter = Shutter { readout: 0.006, height: 720 };
         let wave = |t: Second| [360.0 + 10.0 * t, 360.0 + 300.0 * (25.0 * t).sin()];
         let wanted: Vec<Second> = (0..90).map(|k| f64::from(k) / 60.0).collect();
-        let row = |t: &Second| (0..20).fold(*t, |read, _| t + shutter.delay(wave(read)[1]));
+        let row = |t: &Second| (0..20).fold(*t, |read, _| t + shutter.row_delay(wave(read)[1]));
         let read: Vec<Second> = wanted.iter().map(row).collect();
         let seen: Vec<Point2> = read.iter().map(|t| wave(*t)).collect();
         let found = at_times(&wanted, &read, &seen);
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn the_middle_row_is_read_at_the_frame_s_time_and_the_ends_half_a_read_out_away() {
         let shutter = Shutter { readout: 0.006, height: 721 };
-        assert_eq!(shutter.delay(360.0), 0.0);
-        assert!((shutter.delay(0.0) + 0.003).abs() < 1e-15 && (shutter.delay(720.0) - 0.003).abs() < 1e-15);
+        assert_eq!(shutter.row_delay(360.0), 0.0);
+        assert!((shutter.row_delay(0.0) + 0.003).abs() < 1e-15 && (shutter.row_delay(720.0) - 0.003).abs() < 1e-15);
     }
 }

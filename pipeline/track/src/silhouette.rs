@@ -33,14 +33,14 @@ impl Outline<'_> {
     /// Distance (m) of the outline from a place (m) in the plane z = 0 along a unit vector, at most `reach` (m).
     ///
     /// None where no ground is met, or no body before it.
-    pub fn edge(&self, [at, along]: [Point2; 2], reach: Metre) -> Option<Metre> {
-        let place = |far: Metre| [at[0] + far * along[0], at[1] + far * along[1], 0.0];
-        let pixel = |far: Metre| self.lens.project(self.pose.apply(place(far)));
+    pub fn edge(&self, [origin, direction]: [Point2; 2], reach: Metre) -> Option<Metre> {
+        let point_at = |far: Metre| [origin[0] + far * direction[0], origin[1] + far * direction[1], 0.0];
+        let pixel = |far: Metre| self.lens.project(self.pose.apply(point_at(far)));
         let (from, to) = (pixel(0.0)?, pixel(reach)?);
         let count = (SAMPLES * (to[0] - from[0]).hypot(to[1] - from[1])).ceil().max(1.0);
         let far = |i: usize| reach * i as f64 / count;
         let [u, v] = [0, 1].map(|k| (to[k] - from[k]) * ASIDE * SAMPLES / count);
-        let level = |i: usize| pixel(far(i)).map_or(f64::NAN, |p| self.level(p, [-v, u]));
+        let level = |i: usize| pixel(far(i)).map_or(f64::NAN, |p| self.level_beside(p, [-v, u]));
         let levels: Vec<f64> = (0..=count as usize).map(level).collect();
         let run = (RUN * SAMPLES) as usize;
         let is = |run: &[f64], k: usize| run.iter().all(|level| (self.grey[k]..self.grey[k + 1]).contains(level));
@@ -51,10 +51,11 @@ impl Outline<'_> {
 
     /// The grey level at a pixel, or that `aside` (px) of it where both sides are ground; no number near the border of the picture.
     // Not wherever both sides are darker: a line across the bottom of a dent has body to both sides, and would fill it.
-    fn level(&self, at: Point2, aside: Point2) -> f64 {
-        let level = |side: f64| self.picture.level([at[0] + side * aside[0], at[1] + side * aside[1]]);
+    fn level_beside(&self, pixel: Point2, aside: Point2) -> f64 {
+        let level =
+            |side: f64| self.picture.interpolated_level([pixel[0] + side * aside[0], pixel[1] + side * aside[1]]);
         let sides = level(1.0).max(level(-1.0));
-        match self.picture.holds(at, ASIDE) {
+        match self.picture.holds_with_margin(pixel, ASIDE) {
             true if sides < self.grey[1] => sides,
             true => level(0.0),
             false => f64::NAN,
@@ -72,7 +73,7 @@ mod tests {
     /// A camera 0.2 m above, tilted.
     fn camera() -> RefractiveCamera {
         let pose = Pose::from_vector([std::f64::consts::PI - 0.04, 0.03, 0.05], [-0.03, 0.005, 0.2]);
-        RefractiveCamera { lens: Lens::default().with(LENS), pose, water: None }
+        RefractiveCamera { lens: Lens::default().with_values(LENS), pose, water: None }
     }
 
     /// Half width of a body that is notched at x = 20 mm, m.

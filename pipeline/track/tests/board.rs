@@ -81,14 +81,14 @@ fn paint(board: &Board, [x, y]: Point2) -> f64 {
 
 /// Root of the mean squared distance between found corners and the truth, px.
 fn miss(found: &[Point2], pose: &Pose) -> f64 {
-    let truth = BOARD.corners().into_iter().map(|c| LENS.project(pose.apply(c)).unwrap());
+    let truth = BOARD.corner_points().into_iter().map(|c| LENS.project(pose.apply(c)).unwrap());
     let squares: f64 = truth.zip(found).map(|(t, f)| (t[0] - f[0]).powi(2) + (t[1] - f[1]).powi(2)).sum();
     (squares / found.len() as f64).sqrt()
 }
 
 fn blurred(picture: &Gray, passes: usize) -> Gray {
     (0..passes).fold(picture.clone(), |p, _| {
-        let level = |x: usize, y: usize| p.level([x as f64, y as f64]);
+        let level = |x: usize, y: usize| p.interpolated_level([x as f64, y as f64]);
         let near = |c: usize, d: usize, n: usize| (c + d).saturating_sub(1).min(n - 1);
         Gray::from_fn(p.width, p.height, |x, y| {
             (0..9).map(|k| level(near(x, k % 3, p.width), near(y, k / 3, p.height))).sum::<f64>() / 9.0

@@ -8,7 +8,7 @@ use noise::Noise;
 use si::Point2;
 use track::board::Board;
 use track::calibrate::{
-    CalibrateError, View, calibrate, focal_difference, joint_covariance, pose_from_plane, reprojection,
+    CalibrateError, View, calibrate, focal_difference, joint_covariance, pose_from_plane, reprojection_error,
 };
 use track::lens::{Distortion, Lens};
 use track::pose::Pose;
@@ -50,13 +50,14 @@ fn poses() -> Vec<Pose> {
 fn views(noise: f64, seed: u64) -> Vec<View> {
     let mut random = Noise(seed);
     let mut blur = |p: Point2| [p[0] + noise * random.next(), p[1] + noise * random.next()];
-    let see = |pose: &Pose| BOARD.corners().iter().map(|&c| LENS.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
-    poses().iter().map(|pose| View::whole(see(pose).into_iter().map(&mut blur).collect())).collect()
+    let see =
+        |pose: &Pose| BOARD.corner_points().iter().map(|&c| LENS.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
+    poses().iter().map(|pose| View::of_whole_board(see(pose).into_iter().map(&mut blur).collect())).collect()
 }
 
 #[test]
 fn clean_corners_give_the_lens_back() {
-    let found = calibrate(&views(0.0, 0), &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap();
+    let found = calibrate(&views(0.0, 0), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
     let (a, b) = (found.lens, LENS);
     for (name, x, y) in [("fx", a.fx, b.fx), ("fy", a.fy, b.fy), ("cx", a.cx, b.cx), ("cy", a.cy, b.cy)] {
         assert!((x / y - 1.0).abs() < 1e-6, "{name} {x} {y}");
@@ -73,7 +74,7 @@ fn clean_corners_give_the_lens_back() {
 #[test]
 fn a_tenth_of_a_pixel_of_noise_moves_the_focal_length_by_less_than_half_a_percent() {
     for seed in 1..4 {
-        let found = calibrate(&views(0.1, seed), &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap();
+        let found = calibrate(&views(0.1, seed), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
         assert!((found.lens.fx / LENS.fx - 1.0).abs() < 5e-3 && (found.lens.fy / LENS.fy - 1.0).abs() < 5e-3);
         assert!((found.reprojection_px / (0.1 * 2.0_f64.sqrt()) - 1.0).abs() < 0.1, "{}", found.reprojection_px);
     }
@@ -82,7 +83,7 @@ fn a_tenth_of_a_pixel_of_noise_moves_the_focal_length_by_less_than_half_a_percen
 #[test]
 fn the_standard_deviations_tell_the_scatter_over_repeated_calibrations() {
     let found: Vec<_> = (1..=24)
-        .map(|seed| calibrate(&views(0.1, seed), &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap())
+        .map(|seed| calibrate(&views(0.1, seed), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap())
         .collect();
     let scatter = |value: usize| {
         let mean = found.iter().map(|c| c.lens.values()[value]).sum::<f64>() / 24.0;
@@ -98,11 +99,11 @@ fn the_standard_deviations_tell_the_scatter_over_repeated_calibrations() {
 #[test]
 fn a_pose_comes_back_from_points_of_a_raised_plane() {
     for pose in poses() {
-        let points: Vec<_> = BOARD.corners().iter().map(|c| [c[0], c[1], 0.013]).collect();
+        let points: Vec<_> = BOARD.corner_points().iter().map(|c| [c[0], c[1], 0.013]).collect();
         let pixels: Vec<_> = points.iter().map(|&p| LENS.project(pose.apply(p)).unwrap()).collect();
         let found = pose_from_plane(&LENS, &points, &pixels).unwrap();
         assert!(si::vec3::norm(si::vec3::sub(found.centre(), pose.centre())) < 1e-9);
-        assert!(reprojection(&LENS, &found, &points, &pixels) < 1e-7);
+        assert!(reprojection_error(&LENS, &found, &points, &pixels) < 1e-7);
     }
 }
 
@@ -126,16 +127,16 @@ fn points_off_the_plane_or_on_a_line_are_refused() {
 #[test]
 fn two_views_or_views_of_one_tilt_are_refused() {
     let all = views(0.05, 9);
-    let two = calibrate(&all[..2], &BOARD.corners(), Distortion::BrownConrady, SIZE);
+    let two = calibrate(&all[..2], &BOARD.corner_points(), Distortion::BrownConrady, SIZE);
     assert!(matches!(two, Err(CalibrateError::TooFewViews { given: 2, needed: 3 })));
     let flat = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [-0.08, 0.05, 0.5]);
     let mut random = Noise(5);
     let mut see = || {
         let corner = |&c| LENS.project(flat.apply(c)).unwrap().map(|v| v + 0.1 * random.next());
-        View::whole(BOARD.corners().iter().map(corner).collect())
+        View::of_whole_board(BOARD.corner_points().iter().map(corner).collect())
     };
     let alike: Vec<_> = (0..5).map(|_| see()).collect();
-    let found = calibrate(&alike, &BOARD.corners(), Distortion::BrownConrady, SIZE);
+    let found = calibrate(&alike, &BOARD.corner_points(), Distortion::BrownConrady, SIZE);
     assert!(matches!(found, Err(CalibrateError::Degenerate { .. })), "{found:?}");
 }
 
@@ -143,30 +144,31 @@ fn two_views_or_views_of_one_tilt_are_refused() {
 fn a_view_with_missing_corners_is_refused_by_its_number() {
     let mut all = views(0.0, 0);
     all[3].corners.pop();
-    let error = calibrate(&all, &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap_err();
+    let error = calibrate(&all, &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap_err();
     assert_eq!(error, CalibrateError::Corners { view: 3, given: 39, expected: 40 });
 }
 
 #[test]
 fn a_fisheye_comes_back_from_its_own_corners() {
     let lens = Lens { distortion: Distortion::Fisheye, ..Lens::default() };
-    let lens = lens.with([880.0, 883.0, 961.0, 538.0, 0.04, -0.012, 3e-3, -1e-3, 0.0]);
-    let see = |pose: &Pose| BOARD.corners().iter().map(|&c| lens.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
+    let lens = lens.with_values([880.0, 883.0, 961.0, 538.0, 0.04, -0.012, 3e-3, -1e-3, 0.0]);
+    let see =
+        |pose: &Pose| BOARD.corner_points().iter().map(|&c| lens.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
     let nearer = |pose: Pose| Pose { translation: pose.translation.map(|x| 0.45 * x), ..pose };
-    let views: Vec<_> = poses().into_iter().map(|pose| View::whole(see(&nearer(pose)))).collect();
-    let found = calibrate(&views, &BOARD.corners(), Distortion::Fisheye, SIZE).unwrap();
+    let views: Vec<_> = poses().into_iter().map(|pose| View::of_whole_board(see(&nearer(pose)))).collect();
+    let found = calibrate(&views, &BOARD.corner_points(), Distortion::Fisheye, SIZE).unwrap();
     assert!(found.reprojection_px < 1e-4, "{}", found.reprojection_px);
     for (value, truth) in found.lens.values().iter().zip(lens.values()).take(5) {
         assert!((value - truth).abs() < 1e-3 * truth.abs(), "{value} {truth}");
     }
-    let brown = calibrate(&views, &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap();
+    let brown = calibrate(&views, &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
     assert!(brown.reprojection_px > 10.0 * found.reprojection_px);
 }
 
 #[test]
 fn the_joint_covariance_tells_the_scatter_of_where_the_camera_stands() {
     let pose = poses()[4];
-    let points = BOARD.corners();
+    let points = BOARD.corner_points();
     let seen = |random: &mut Noise| -> Vec<Point2> {
         points.iter().map(|&p| LENS.project(pose.apply(p)).unwrap().map(|v| v + 0.1 * random.next())).collect()
     };
@@ -192,7 +194,7 @@ fn the_joint_covariance_tells_the_scatter_of_where_the_camera_stands() {
 /// A focal length that is wrong moves the camera away and hardly changes the reprojection: the views by themselves determine it.
 #[test]
 fn a_focal_length_that_the_views_contradict_is_said_with_both() {
-    let (seen, corners) = (views(0.1, 5), BOARD.corners());
+    let (seen, corners) = (views(0.1, 5), BOARD.corner_points());
     let lens = |by: f64| Lens { fx: by * LENS.fx, fy: by * LENS.fy, ..LENS };
     let difference = |by: f64| focal_difference(&lens(by), &seen, &corners, SIZE);
     assert_eq!([1.0, 1.03, 0.97].map(difference), [None; 3]);
@@ -212,9 +214,10 @@ fn the_mean_of_views_of_parts_is_that_of_the_views_that_show_a_point() {
     let views = [part(&[1, 4], &[[10.0, 0.0], [40.0, 2.0]]), part(&[0, 4], &[[5.0, 5.0], [42.0, 4.0]])];
     let mean = View::mean(&views);
     assert_eq!(mean, part(&[0, 1, 4], &[[5.0, 5.0], [10.0, 0.0], [41.0, 3.0]]));
-    let points = BOARD.corners();
+    let points = BOARD.corner_points();
     assert_eq!(mean.points(&points), [points[0], points[1], points[4]]);
-    assert_eq!((mean.corner(4), mean.corner(3)), (Some([41.0, 3.0]), None));
-    let whole = [View::whole(vec![[0.0, 0.0], [2.0, 0.0]]), View::whole(vec![[1.0, 1.0], [2.0, 2.0]])];
-    assert_eq!(View::mean(&whole), View::whole(vec![[0.5, 0.5], [2.0, 1.0]]));
+    assert_eq!((mean.corner_pixel(4), mean.corner_pixel(3)), (Some([41.0, 3.0]), None));
+    let whole =
+        [View::of_whole_board(vec![[0.0, 0.0], [2.0, 0.0]]), View::of_whole_board(vec![[1.0, 1.0], [2.0, 2.0]])];
+    assert_eq!(View::mean(&whole), View::of_whole_board(vec![[0.5, 0.5], [2.0, 1.0]]));
 }

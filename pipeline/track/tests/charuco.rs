@@ -52,7 +52,7 @@ impl Print {
         let u = (x / self.board.square + 1.0) * 32.0;
         let v = ((self.board.rows as f64 - 1.0) - y / self.board.square) * 32.0;
         let is_inside = (0.0..self.picture.width as f64).contains(&u) && (0.0..self.picture.height as f64).contains(&v);
-        if is_inside { 40.0 + 0.65 * self.picture.at(u as usize, v as usize) } else { 206.0 }
+        if is_inside { 40.0 + 0.65 * self.picture.pixel_level(u as usize, v as usize) } else { 206.0 }
     }
 
     /// What a camera sees: 4 × 4 rays a pixel and noise of 1.5 grey levels.
@@ -175,7 +175,7 @@ fn what_cannot_be_a_view_is_refused_with_its_reason() {
     let empty = Gray::filled(400, 300, 180);
     assert!(matches!(find(&empty, &print.board), Err(BoardError::NoMarker { quads: 0, other: None, .. })));
     // a mirrored picture shows no marker
-    let mirrored = Gray::from_fn(SIZE.0, SIZE.1, |x, y| picture.at(SIZE.0 - 1 - x, y));
+    let mirrored = Gray::from_fn(SIZE.0, SIZE.1, |x, y| picture.pixel_level(SIZE.0 - 1 - x, y));
     let refusal = find(&mirrored, &print.board).unwrap_err();
     assert!(!matches!(refusal, BoardError::FewCorners { .. }), "{refusal}");
 }

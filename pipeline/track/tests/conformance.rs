@@ -133,7 +133,10 @@ fn a_marker_covered_for_longer_is_lost_with_the_first_frame_and_a_picture_of_it(
     let mut tracker = Tracker::new(&scene.picture(0), &scene.places(0), settings).unwrap();
     let lost = (1..80).find_map(|k| tracker.step(&scene.picture(k)).err()).unwrap();
     assert_eq!((lost.marker, lost.frame), (0, 12));
-    assert!(lost.crop.width > 60 && lost.crop.at(lost.crop.width / 2, 40) > 140.0, "the crop shows what covers it");
+    assert!(
+        lost.crop.width > 60 && lost.crop.pixel_level(lost.crop.width / 2, 40) > 140.0,
+        "the crop shows what covers it"
+    );
 }
 
 #[test]

@@ -105,7 +105,7 @@ fn dots_are_found_to_a_tenth_of_a_pixel_in_one_order_and_give_the_lens_back() {
         let miss = (squares.sum::<f64>() / found.len() as f64).sqrt();
         // of it, up to 0.05 px are what a tilted disc's middle is off
         assert!(miss < 0.1, "view {k}: {miss} px");
-        views.push(View::whole(found));
+        views.push(View::of_whole_board(found));
     }
     let found = calibrate(&views, &Target::Dots(BOARD).points(), Distortion::BrownConrady, SIZE).unwrap();
     assert!((found.lens.fx / LENS.fx - 1.0).abs() < 5e-3, "{}", found.lens.fx);

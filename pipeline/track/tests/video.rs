@@ -76,7 +76,7 @@ fn black_and_white_keep_their_full_range() {
     writer.push(&picture).unwrap();
     writer.finish().unwrap();
     let back = Reader::open(&file.0).unwrap().next().unwrap().unwrap().gray;
-    assert!(back.at(8, 32) <= 1.0 && back.at(56, 32) >= 254.0);
+    assert!(back.pixel_level(8, 32) <= 1.0 && back.pixel_level(56, 32) >= 254.0);
 }
 
 #[test]

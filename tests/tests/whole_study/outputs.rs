@@ -111,7 +111,7 @@ fn cells(picture: &track::Gray) -> Vec<f64> {
     for y in 0..height {
         for x in 0..width {
             let cell = y * CELLS.0 / height * CELLS.1 + x * CELLS.1 / width;
-            sums[cell] += picture.at(x, y);
+            sums[cell] += picture.pixel_level(x, y);
             counts[cell] += 1.0;
         }
     }

@@ -178,7 +178,7 @@ fn plane_findings(camera: &card::Camera, context: &dyn StageContext, views: &[Ti
 /// The largest distance between the same corners, px, of those that both views show.
 fn largest_distance(a: &View, b: &View) -> f64 {
     let last = a.numbers.as_ref().map_or(a.corners.len(), |numbers| numbers.last().map_or(0, |last| last + 1));
-    let pairs = (0..last).filter_map(|number| a.corner(number).zip(b.corner(number)));
+    let pairs = (0..last).filter_map(|number| a.corner_pixel(number).zip(b.corner_pixel(number)));
     pairs.map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).fold(0.0, f64::max)
 }
 

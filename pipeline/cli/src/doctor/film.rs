@@ -201,7 +201,7 @@ impl FirstFrame<'_> {
             .marker
             .iter()
             .zip(marks)
-            .map(|(marker, position)| (marker, klt::clutter(picture, *position, radius)));
+            .map(|(marker, position)| (marker, klt::clutter_share(picture, *position, radius)));
         let findings = clutter.filter(|(_, share)| *share > BESIDE).map(|(marker, share)| {
             let defect = format!(
                 "{film_path}: {:.0} % of the pixels within {radius:.0} px of marker `{}` are dark and not its own",

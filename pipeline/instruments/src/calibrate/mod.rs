@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use diagnostics::{Diagnostic, Result};
 use si::Point2;
 use track::board::Target;
-use track::calibrate::{Calibration, calibrate, reprojection};
+use track::calibrate::{Calibration, calibrate, reprojection_error};
 use track::lens::Distortion;
 
 use crate::Interrupt;
@@ -48,7 +48,7 @@ impl Camera {
     /// Root of the mean squared distance between seen and projected corners of a view, px.
     pub fn reprojection_error(&self, view: usize) -> f64 {
         let (pose, seen) = (&self.calibration.poses[view], &self.views.views[view]);
-        reprojection(&self.calibration.lens, pose, &seen.points(&self.target.points()), &seen.corners)
+        reprojection_error(&self.calibration.lens, pose, &seen.points(&self.target.points()), &seen.corners)
     }
 
     /// What was calibrated, and where the results lie.

@@ -119,8 +119,8 @@ fn thin_points(points: Vec<Point2>, limit: usize) -> Vec<Point2> {
 pub(super) fn camera_figure(camera: &Camera) -> Result<String, PlotError> {
     let mut panels = Vec::new();
     if let Some(gray) = &camera.views.first {
-        let shown = Reduced::to(gray, SHOWN_PIXELS);
-        let reduced = |points: &[Point2]| points.iter().map(|p| shown.reduced(*p)).collect();
+        let shown = Reduced::with_at_most(gray, SHOWN_PIXELS);
+        let reduced = |points: &[Point2]| points.iter().map(|p| shown.to_copy(*p)).collect();
         let thin = |points: &[Point2]| thin_points(reduced(points), SHOWN_POINTS / 4);
         let (observed, projected) = (thin(&camera.views.views[0].corners), thin(&camera.projected_points(0)));
         let picture = Picture::new(shown.picture.width, shown.picture.height, shown.picture.pixels)

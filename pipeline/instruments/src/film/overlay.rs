@@ -99,7 +99,8 @@ fn draw_cross(picture: &mut Gray, centre: Point2) {
 /// Half as wide and high: the mean of four pixels each.
 fn half_size(picture: &Gray) -> Gray {
     Gray::from_fn(picture.width / 2, picture.height / 2, |x, y| {
-        [(0, 0), (1, 0), (0, 1), (1, 1)].iter().map(|(i, j)| picture.at(2 * x + i, 2 * y + j)).sum::<f64>() / 4.0
+        [(0, 0), (1, 0), (0, 1), (1, 1)].iter().map(|(i, j)| picture.pixel_level(2 * x + i, 2 * y + j)).sum::<f64>()
+            / 4.0
     })
 }
 
@@ -163,9 +164,9 @@ mod tests {
         std::fs::remove_dir_all(&folder).unwrap();
         assert_eq!((strip.width, strip.height), (20, 6 * 16));
         for (place, frame) in [0, 3, 6, 9, 12, 15].into_iter().enumerate() {
-            assert_eq!(strip.at(0, 16 * place), f64::from(10 * frame + 2), "frame {frame}");
+            assert_eq!(strip.pixel_level(0, 16 * place), f64::from(10 * frame + 2), "frame {frame}");
             // a white arm and the half of its dark rim
-            let marked = strip.at(14, 16 * place + 8) != f64::from(10 * frame + 2);
+            let marked = strip.pixel_level(14, 16 * place + 8) != f64::from(10 * frame + 2);
             assert_eq!(marked, frame == 6, "frame {frame}");
         }
     }

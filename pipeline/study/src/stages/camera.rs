@@ -7,7 +7,7 @@ use si::{Metre, Point2, Point3, Second};
 use std::path::Path;
 use track::board::{Target, TargetKind};
 use track::calibrate::{
-    Calibration, View, calibrate, focal_difference, joint_covariance, pose_from_plane, reprojection,
+    Calibration, View, calibrate, focal_difference, joint_covariance, pose_from_plane, reprojection_error,
 };
 use track::lens::{Distortion, VALUES, opencv, opencv::KnownLens};
 use track::picture_size;
@@ -162,7 +162,8 @@ fn known(camera: &CalibrationFilm, board: &Target, seen: &Seen, context: &dyn St
     let views = &seen.views;
     let pose = |view: &View| pose_from_plane(&lens, &view.points(&points), &view.corners);
     let poses = views.iter().map(pose).collect::<Result<Vec<Pose>, _>>()?;
-    let miss = |(pose, view): (&Pose, &View)| reprojection(&lens, pose, &view.points(&points), &view.corners).powi(2);
+    let miss =
+        |(pose, view): (&Pose, &View)| reprojection_error(&lens, pose, &view.points(&points), &view.corners).powi(2);
     let misses = poses.iter().zip(views).map(miss);
     let reprojection_px = (misses.sum::<f64>() / views.len() as f64).sqrt();
     Ok(Calibration { lens, poses, reprojection_px, covariance: [[0.0; VALUES]; VALUES] })

@@ -92,7 +92,7 @@ impl Stage for Clock {
     ) -> Result<Motion> {
         let logged = read_log(card, context)?;
         let shutter = |c: Camera| Shutter { readout: card.readout, height: c.size_px[1] };
-        let late = camera.zip(card.lamp_row).map_or(0.0, |(c, row)| shutter(c).delay(row));
+        let late = camera.zip(card.lamp_row).map_or(0.0, |(c, row)| shutter(c).row_delay(row));
         let synchronisation = Synchronisation { card, set, context };
         let met = synchronisation.met(tracks.as_ref(), late, &logged)?;
         synchronisation.covers(tracks.as_ref().map_or(&markers.time, |tracks| &tracks.time), &met)?;
@@ -133,7 +133,7 @@ impl Synchronisation<'_> {
     /// A [`Diagnostic`] that names which of the two has no edge, or where they disagree.
     pub fn check(&self, tracks: &Tracks, height: usize) -> Result<()> {
         let shutter = Shutter { readout: self.card.readout, height };
-        let late = self.card.lamp_row.map_or(0.0, |row| shutter.delay(row));
+        let late = self.card.lamp_row.map_or(0.0, |row| shutter.row_delay(row));
         let met = self.met(Some(tracks), late, &read_log(self.card, self.context)?)?;
         self.covers(&tracks.time, &met)?;
         self.rest_frames(&tracks.time, &met).map(drop)

@@ -90,7 +90,7 @@ impl Stage for Inflate {
         if let Some(eye) = seen.filter(|seen| !seen.walls.is_empty()).map(|seen| seen.eye_m) {
             see(&mut shapes, card, &mesh, eye);
         }
-        let film = seen.and_then(FrameData::shown);
+        let film = seen.and_then(FrameData::shown_walls);
         let is_filmed = |shape: &Shape, wanted: Pascal| (shape.pressure() - wanted).abs() <= SAME_LEVEL * asked_pa;
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|shape| is_filmed(shape, wanted)));
         let nodes = skin(&mesh);

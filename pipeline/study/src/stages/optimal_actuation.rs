@@ -85,7 +85,7 @@ impl Stage for OptimalActuation {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, (Thrust, Maybe<Drag>, IdentificationTrials<Motion>));
     type Makes = Record;
     const DESCRIPTION: &'static str = "the actuation of greatest mean thrust is optimised";
-    const VERSION: u32 = 11;
+    const VERSION: u32 = 12;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let ((mesh, identified, reduced), relaxation, (thrust, Maybe(water), films)) = needs;

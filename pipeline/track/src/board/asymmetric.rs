@@ -6,7 +6,7 @@
 
 use si::{Metre, Point2, Point3};
 
-use super::{BoardError, dots, lattice, whole};
+use super::{BoardError, check_levels, dots, lattice};
 use crate::Gray;
 
 /// A board of `rows` rows of `columns` dots.
@@ -22,14 +22,14 @@ pub struct AsymmetricDots {
 
 impl AsymmetricDots {
     /// Places of the dots in rows and half pitches, row after row.
-    fn places(&self) -> Vec<[i32; 2]> {
+    fn dot_cells(&self) -> Vec<[i32; 2]> {
         let dot = |i: usize, j: usize| [(2 * i + j % 2) as i32, j as i32];
         (0..self.rows).flat_map(|j| (0..self.columns).map(move |i| dot(i, j))).collect()
     }
 
     /// The dots in the board's frame, m: row after row, i fastest.
     pub fn points(&self) -> Vec<Point3> {
-        self.places().iter().map(|[x, y]| [f64::from(*x) * self.square, f64::from(*y) * self.square, 0.0]).collect()
+        self.dot_cells().iter().map(|[x, y]| [f64::from(*x) * self.square, f64::from(*y) * self.square, 0.0]).collect()
     }
 }
 
@@ -38,16 +38,16 @@ impl AsymmetricDots {
 /// # Errors
 /// [`BoardError`] when the board's order is not unique, or it is not in the picture as a whole.
 pub fn find(picture: &Gray, board: &AsymmetricDots) -> Result<Vec<Point2>, BoardError> {
-    whole(picture)?;
+    check_levels(picture)?;
     let AsymmetricDots { columns, rows, .. } = *board;
     if columns < 2 || rows < 3 || rows.is_multiple_of(2) {
         return Err(BoardError::EvenRows { columns, rows });
     }
     // neighbours stand on the diagonals: u = (x + y) / 2 to the upper right, v = (y − x) / 2 to the upper left
     let cells: Vec<(i32, i32)> =
-        board.places().iter().map(|[x, y]| ((x + y).div_euclid(2), (y - x).div_euclid(2))).collect();
+        board.dot_cells().iter().map(|[x, y]| ((x + y).div_euclid(2), (y - x).div_euclid(2))).collect();
     let (mut in_grid, mut seen) = (0, 0);
-    for places in dots::middles(picture) {
+    for places in dots::disc_centres(picture) {
         match lattice::find_cells(&places, &cells) {
             Ok(dots) => return Ok(dots),
             Err(size) => (in_grid, seen) = (in_grid, seen).max((size, places.len())),

@@ -52,13 +52,13 @@ const RIM: f64 = 2.5;
 /// # Errors
 /// [`BoardError`] when the board's order is not unique, or it is not in the picture as a whole.
 pub fn find(picture: &Gray, board: &Dots) -> Result<Vec<Point2>, BoardError> {
-    super::whole(picture)?;
+    super::check_levels(picture)?;
     let Dots { columns, rows, .. } = *board;
     if columns < 3 || rows < 3 || columns == rows {
         return Err(BoardError::Square { columns, rows });
     }
     let (mut in_grid, mut seen) = (0, 0);
-    for places in middles(picture) {
+    for places in disc_centres(picture) {
         match lattice::find(&places, columns, rows) {
             Ok(dots) => return Ok(from_upper_left(dots)),
             Err(size) => (in_grid, seen) = (in_grid, seen).max((size, places.len())),
@@ -78,23 +78,23 @@ fn from_upper_left(mut dots: Vec<Point2>) -> Vec<Point2> {
 }
 
 /// Middles of the dark discs, px, those of typical size first: of a large picture as a reduced copy shows them, then as itself does.
-pub(super) fn middles(picture: &Gray) -> impl Iterator<Item = Vec<Point2>> {
-    let reduced = Reduced::of(picture);
-    let itself = std::iter::once_with(|| discs(picture));
-    let discs = reduced.map(|reduced| enlarged(discs(&reduced.picture), &reduced)).into_iter().chain(itself);
+pub(super) fn disc_centres(picture: &Gray) -> impl Iterator<Item = Vec<Point2>> {
+    let reduced = Reduced::of_large_picture(picture);
+    let itself = std::iter::once_with(|| find_discs(picture));
+    let discs = reduced.map(|reduced| enlarge_discs(find_discs(&reduced.picture), &reduced)).into_iter().chain(itself);
     discs.map(move |mut discs| {
         // the board's dots are alike, so the typical one is among them
         discs.sort_by_key(|disc| disc.pixels);
         let typical = discs.get(discs.len() / 2).map_or(0, |disc| disc.pixels);
         discs.sort_by_key(|disc| disc.pixels.abs_diff(typical));
-        let middle = |disc: &Disc| blob::find(picture, disc.at, disc.radius + RIM).ok().map(|blob| blob.at);
+        let middle = |disc: &Disc| blob::find_blob(picture, disc.at, disc.radius + RIM).ok().map(|blob| blob.at);
         discs.iter().filter_map(middle).collect()
     })
 }
 
-fn enlarged(discs: Vec<Disc>, reduced: &Reduced) -> Vec<Disc> {
+fn enlarge_discs(discs: Vec<Disc>, reduced: &Reduced) -> Vec<Disc> {
     let enlarge =
-        |disc: Disc| Disc { at: reduced.enlarged(disc.at), radius: disc.radius * reduced.block as f64, ..disc };
+        |disc: Disc| Disc { at: reduced.to_picture(disc.at), radius: disc.radius * reduced.block as f64, ..disc };
     discs.into_iter().map(enlarge).collect()
 }
 
@@ -108,30 +108,31 @@ struct Disc {
 }
 
 /// The dark patches of a picture that are ellipses.
-fn discs(picture: &Gray) -> Vec<Disc> {
-    let most = (MOST * picture.pixels.len() as f64) as usize;
+fn find_discs(picture: &Gray) -> Vec<Disc> {
+    let max_pixels = (MOST * picture.pixels.len() as f64) as usize;
     let half = ((AROUND * picture.width.min(picture.height) as f64) as usize).max(3);
-    dark_patches(picture, half).filter_map(|patch| disc(&patch, most)).collect()
+    dark_patches(picture, half).filter_map(|patch| fit_disc(&patch, max_pixels)).collect()
 }
 
 /// The disc of these pixels, when they fill the ellipse of their second moments.
-fn disc(pixels: &[[usize; 2]], most: usize) -> Option<Disc> {
-    if !(LEAST..=most).contains(&pixels.len()) {
+fn fit_disc(pixels: &[[usize; 2]], max_pixels: usize) -> Option<Disc> {
+    if !(LEAST..=max_pixels).contains(&pixels.len()) {
         return None;
     }
     let count = pixels.len() as f64;
-    let at = [0, 1].map(|k| pixels.iter().map(|p| p[k] as f64).sum::<f64>() / count);
+    let centre = [0, 1].map(|k| pixels.iter().map(|p| p[k] as f64).sum::<f64>() / count);
     // a pixel is a square, whose own second moment is 1/12
     let moment = |i: usize, j: usize| {
-        let sum: f64 = pixels.iter().map(|p| (p[i] as f64 - at[i]) * (p[j] as f64 - at[j])).sum();
+        let sum: f64 = pixels.iter().map(|p| (p[i] as f64 - centre[i]) * (p[j] as f64 - centre[j])).sum();
         sum / count + if i == j { 1.0 / 12.0 } else { 0.0 }
     };
     let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
-    let apart = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
-    let [long, short] = [0.5 * (xx + yy) + apart, 0.5 * (xx + yy) - apart].map(|m| 2.0 * m.max(0.0).sqrt());
+    let half_difference = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+    let [long, short] =
+        [0.5 * (xx + yy) + half_difference, 0.5 * (xx + yy) - half_difference].map(|m| 2.0 * m.max(0.0).sqrt());
     let filled = count / (std::f64::consts::PI * long * short);
     let is_disc = (filled - 1.0).abs() < ROUND && long < LONG * short;
-    is_disc.then_some(Disc { at, radius: long, pixels: pixels.len() })
+    is_disc.then_some(Disc { at: centre, radius: long, pixels: pixels.len() })
 }
 
 #[cfg(test)]
@@ -159,7 +160,7 @@ mod tests {
     fn an_ellipse_is_a_disc_with_its_middle_and_its_longer_half_axis() {
         for (axes, turn) in [([12.0, 12.0], 0.0), ([20.0, 9.0], 0.0), ([9.0, 20.0], 0.0), ([20.0, 9.0], 0.7)] {
             let pixels = ellipse(axes, turn);
-            let found = disc(&pixels, 10_000).unwrap();
+            let found = fit_disc(&pixels, 10_000).unwrap();
             assert!((found.at[0] - 60.0).abs() < 0.05 && (found.at[1] - 50.0).abs() < 0.05, "{:?}", found.at);
             let long = axes[0].max(axes[1]);
             assert!((found.radius / long - 1.0).abs() < 0.02 && found.pixels == pixels.len(), "{}", found.radius);
@@ -168,14 +169,14 @@ mod tests {
 
     #[test]
     fn what_is_long_small_large_or_no_ellipse_is_no_disc() {
-        assert!(disc(&ellipse([30.0, 9.0], 0.3), 10_000).is_none());
-        assert!(disc(&ellipse([2.0, 2.0], 0.0), 10_000).is_none());
-        assert!(disc(&ellipse([12.0, 12.0], 0.0), 400).is_none());
+        assert!(fit_disc(&ellipse([30.0, 9.0], 0.3), 10_000).is_none());
+        assert!(fit_disc(&ellipse([2.0, 2.0], 0.0), 10_000).is_none());
+        assert!(fit_disc(&ellipse([12.0, 12.0], 0.0), 400).is_none());
         let cross: Vec<[usize; 2]> =
             (0..900).map(|i| [i % 30, i / 30]).filter(|p| p[0] / 10 == 1 || p[1] / 10 == 1).collect();
-        assert!(disc(&cross, 10_000).is_none());
+        assert!(fit_disc(&cross, 10_000).is_none());
         // of 16 pixels it is large enough
         let least: Vec<[usize; 2]> = (0..16).map(|i| [i % 4, i / 4]).collect();
-        assert!(disc(&least, 16).is_some());
+        assert!(fit_disc(&least, 16).is_some());
     }
 }

@@ -18,7 +18,7 @@ const SIZED_AMONG: usize = 500;
 /// The four ways to a neighbour.
 const WAYS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
-/// The grid of `across` × `down` places among `corners` (strongest first), row by row as [`ordered`] says.
+/// The grid of `across` × `down` places among `corners` (strongest first), row by row as [`ordered_points`] says.
 ///
 /// # Errors
 /// The number of places in the largest grid, when none has the right size.
@@ -26,8 +26,8 @@ pub(super) fn find(corners: &[Point2], across: usize, down: usize) -> Result<Vec
     let mut largest = 0;
     for start in 0..corners.len().min(STARTS) {
         let Some(steps) = first_steps(corners, start) else { continue };
-        let grid = trimmed(grow(corners, start, steps), across.min(down));
-        if let Some(found) = ordered(&grid, across, down) {
+        let grid = trim_outer_lines(grow_grid(corners, start, steps), across.min(down));
+        if let Some(found) = ordered_points(&grid, across, down) {
             return Ok(found);
         }
         largest = largest.max(grid.len());
@@ -35,7 +35,7 @@ pub(super) fn find(corners: &[Point2], across: usize, down: usize) -> Result<Vec
     Err(largest)
 }
 
-/// A grid and its places, row by row as [`ordered`] says.
+/// A grid and its places, row by row as [`ordered_points`] says.
 pub(super) struct Complete {
     pub(super) columns: usize,
     pub(super) rows: usize,
@@ -43,18 +43,18 @@ pub(super) struct Complete {
 }
 
 /// The largest complete grid among `corners`, strongest first; none of less than 3 × 2.
-pub(super) fn largest(corners: &[Point2]) -> Option<Complete> {
+pub(super) fn largest_grid(corners: &[Point2]) -> Option<Complete> {
     let corners = &corners[..corners.len().min(SIZED_AMONG)];
-    let from = |(start, steps): (usize, [Point2; 2])| {
-        let grid = trimmed(grow(corners, start, steps), 4);
-        let (across, down) = spans(&grid)?;
+    let complete_grid = |(start, steps): (usize, [Point2; 2])| {
+        let grid = trim_outer_lines(grow_grid(corners, start, steps), 4);
+        let (across, down) = grid_spans(&grid)?;
         let (columns, rows) = (across.len().max(down.len()), across.len().min(down.len()));
-        let places = ordered(&grid, columns, rows).filter(|_| rows >= 2 && columns >= 3)?;
+        let places = ordered_points(&grid, columns, rows).filter(|_| rows >= 2 && columns >= 3)?;
         Some(Complete { columns, rows, places })
     };
     // a corner on the board's edge has no neighbours to start with
     let starts = (0..corners.len()).filter_map(|start| Some((start, first_steps(corners, start)?)));
-    starts.take(SIZED_FROM).filter_map(from).max_by_key(|grid| grid.places.len())
+    starts.take(SIZED_FROM).filter_map(complete_grid).max_by_key(|grid| grid.places.len())
 }
 
 /// The places of a grid in the order of `cells` (columns and rows from any number, the second axis anticlockwise of the first as seen),
@@ -67,8 +67,8 @@ pub(super) fn find_cells(corners: &[Point2], cells: &[(i32, i32)]) -> Result<Vec
     for start in 0..corners.len().min(STARTS) {
         let Some([first, second]) = first_steps(corners, start) else { continue };
         let is_clockwise = first[0] * second[1] - first[1] * second[0] > 0.0;
-        let grid = grow(corners, start, if is_clockwise { [second, first] } else { [first, second] });
-        if let Some(places) = placed(&grid, cells) {
+        let grid = grow_grid(corners, start, if is_clockwise { [second, first] } else { [first, second] });
+        if let Some(places) = match_cells(&grid, cells) {
             return Ok(places);
         }
         largest = largest.max(grid.len());
@@ -77,15 +77,15 @@ pub(super) fn find_cells(corners: &[Point2], cells: &[(i32, i32)]) -> Result<Vec
 }
 
 /// The grid's places at the cells, turned and shifted; none where none or several of these fit.
-fn placed(grid: &Grid, cells: &[(i32, i32)]) -> Option<Vec<Point2>> {
+fn match_cells(grid: &Grid, cells: &[(i32, i32)]) -> Option<Vec<Point2>> {
     let turns: [fn(Place) -> Place; 4] = [|(u, v)| (u, v), |(u, v)| (-v, u), |(u, v)| (-u, -v), |(u, v)| (v, -u)];
     let mut fits = turns.iter().flat_map(|turn| {
         let turned: Vec<(i32, i32)> = cells.iter().map(|cell| turn(*cell)).collect();
-        let at = move |to: &(i32, i32)| {
+        let points_shifted_to = move |to: &(i32, i32)| {
             let shift = (to.0 - turned[0].0, to.1 - turned[0].1);
             turned.iter().map(|(u, v)| grid.get(&(u + shift.0, v + shift.1)).copied()).collect::<Option<Vec<Point2>>>()
         };
-        grid.keys().filter_map(at)
+        grid.keys().filter_map(points_shifted_to)
     });
     let first = fits.next()?;
     fits.next().is_none().then_some(first)
@@ -93,21 +93,22 @@ fn placed(grid: &Grid, cells: &[(i32, i32)]) -> Option<Vec<Point2>> {
 
 /// Steps to two neighbours of a corner that stand across each other, each with a neighbour opposite, nearest first.
 fn first_steps(corners: &[Point2], start: usize) -> Option<[Point2; 2]> {
-    let mut near: Vec<Point2> = corners.iter().map(|c| minus(*c, corners[start])).collect();
-    near.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
-    let near = &near[1..near.len().min(13)];
-    let paired = |&&step: &&Point2| near.iter().any(|&other| length(plus(step, other)) < ASTRAY * length(step));
-    let first = *near.iter().find(paired)?;
-    let across = |&&step: &&Point2| {
+    let mut neighbour_steps: Vec<Point2> = corners.iter().map(|c| minus(*c, corners[start])).collect();
+    neighbour_steps.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
+    let neighbour_steps = &neighbour_steps[1..neighbour_steps.len().min(13)];
+    let paired =
+        |&&step: &&Point2| neighbour_steps.iter().any(|&other| length(plus(step, other)) < ASTRAY * length(step));
+    let first = *neighbour_steps.iter().find(paired)?;
+    let is_transverse = |&&step: &&Point2| {
         let sine = (first[0] * step[1] - first[1] * step[0]) / (length(first) * length(step));
         sine.abs() > 0.5 && length(step) < 2.5 * length(first)
     };
-    let second = *near.iter().filter(across).find(paired)?;
+    let second = *neighbour_steps.iter().filter(is_transverse).find(paired)?;
     Some([first, second])
 }
 
 /// Grows a grid from one corner, ring by ring.
-fn grow(corners: &[Point2], start: usize, steps: [Point2; 2]) -> Grid {
+fn grow_grid(corners: &[Point2], start: usize, steps: [Point2; 2]) -> Grid {
     let mut grid = Grid::from([((0, 0), corners[start])]);
     let mut used = vec![false; corners.len()];
     used[start] = true;
@@ -134,10 +135,10 @@ fn grow(corners: &[Point2], start: usize, steps: [Point2; 2]) -> Grid {
 
 /// The step expected from a cell: the last step on the same line, or of a line beside it, or the first steps.
 fn step_from(grid: &Grid, (i, j): (i32, i32), (di, dj): (i32, i32), first: [Point2; 2]) -> Point2 {
-    let known = |from: (i32, i32)| Some(minus(*grid.get(&(from.0 + di, from.1 + dj))?, *grid.get(&from)?));
-    let behind = known((i - di, j - dj));
-    let beside = || known((i + dj, j + di)).or_else(|| known((i - dj, j - di)));
-    behind.or_else(beside).unwrap_or_else(|| {
+    let known_step = |cell: (i32, i32)| Some(minus(*grid.get(&(cell.0 + di, cell.1 + dj))?, *grid.get(&cell)?));
+    let previous_step = known_step((i - di, j - dj));
+    let lateral_step = || known_step((i + dj, j + di)).or_else(|| known_step((i - dj, j - di)));
+    previous_step.or_else(lateral_step).unwrap_or_else(|| {
         let [a, b] = first;
         let (u, v) = (f64::from(di), f64::from(dj));
         [u * a[0] + v * b[0], u * a[1] + v * b[1]]
@@ -147,14 +148,14 @@ fn step_from(grid: &Grid, (i, j): (i32, i32), (di, dj): (i32, i32), first: [Poin
 /// The grid without outer lines of strays: corners of the surroundings that happened to lie where a neighbour would.
 ///
 /// A line goes when fewer than half of the places are taken that a line of the board's shorter side, `least`, would have.
-fn trimmed(mut grid: Grid, least: usize) -> Grid {
+fn trim_outer_lines(mut grid: Grid, least: usize) -> Grid {
     loop {
-        let Some((columns, rows)) = spans(&grid) else { return grid };
+        let Some((columns, rows)) = grid_spans(&grid) else { return grid };
         let outer = [(true, columns.start), (true, columns.end - 1), (false, rows.start), (false, rows.end - 1)];
-        let on = |k: &(i32, i32), (column, number): (bool, i32)| number == if column { k.0 } else { k.1 };
-        let few = |line: &(bool, i32)| 2 * grid.keys().filter(|k| on(k, *line)).count() < least;
+        let is_on_line = |k: &(i32, i32), (column, number): (bool, i32)| number == if column { k.0 } else { k.1 };
+        let few = |line: &(bool, i32)| 2 * grid.keys().filter(|k| is_on_line(k, *line)).count() < least;
         let Some(line) = outer.into_iter().find(few) else { return grid };
-        grid.retain(|k, _| !on(k, line));
+        grid.retain(|k, _| !is_on_line(k, line));
     }
 }
 
@@ -165,8 +166,8 @@ type Span = std::ops::Range<i32>;
 ///
 /// Columns and rows are exchanged where needed, so that the first axis is the one of `across`; turning from it to the
 /// second is anticlockwise as one sees it (in the picture y runs down). None when the size differs.
-fn ordered(grid: &Grid, across: usize, down: usize) -> Option<Vec<Point2>> {
-    let (columns, rows) = spans(grid)?;
+fn ordered_points(grid: &Grid, across: usize, down: usize) -> Option<Vec<Point2>> {
+    let (columns, rows) = grid_spans(grid)?;
     if grid.len() != across * down {
         return None;
     }
@@ -187,7 +188,7 @@ fn ordered(grid: &Grid, across: usize, down: usize) -> Option<Vec<Point2>> {
 }
 
 /// Columns and rows that a grid reaches over.
-fn spans(grid: &Grid) -> Option<(Span, Span)> {
+fn grid_spans(grid: &Grid) -> Option<(Span, Span)> {
     let range = |axis: fn(&(i32, i32)) -> i32| Some(grid.keys().map(axis).min()?..grid.keys().map(axis).max()? + 1);
     Some((range(|k| k.0)?, range(|k| k.1)?))
 }
@@ -232,9 +233,9 @@ mod tests {
         let cells = [(0, 0), (1, 0), (2, 0), (0, 1)];
         let grid =
             Grid::from([((0, 0), corners[0]), ((0, 1), corners[1]), ((0, 2), corners[2]), ((-1, 0), corners[3])]);
-        assert_eq!(placed(&grid, &cells), Some(corners));
+        assert_eq!(match_cells(&grid, &cells), Some(corners));
         // two cells fit in many ways
-        assert_eq!(placed(&grid, &cells[..2]), None);
+        assert_eq!(match_cells(&grid, &cells[..2]), None);
     }
 
     #[test]
@@ -250,8 +251,8 @@ mod tests {
         assert_eq!(find(&corners, 6, 4), Err(28));
         let holed: Vec<_> = corners.iter().enumerate().filter(|(k, _)| *k != 9).map(|(_, c)| *c).collect();
         assert_eq!(find(&holed, 7, 4), Err(27));
-        let complete = largest(&corners).unwrap();
+        let complete = largest_grid(&corners).unwrap();
         assert_eq!((complete.columns, complete.rows, complete.places.len()), (7, 4, 28));
-        assert!(largest(&holed).is_none() && largest(&corners[..2]).is_none());
+        assert!(largest_grid(&holed).is_none() && largest_grid(&corners[..2]).is_none());
     }
 }

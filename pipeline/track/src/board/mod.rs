@@ -78,7 +78,7 @@ pub enum BoardError {
     },
     /// A ChArUco board that cannot be.
     #[error(
-        "a ChArUco board of {} × {} squares of {} m with markers of {} m of {} cannot be\n  why: it needs {} markers of the dictionary's {}, 3 squares a side, and markers smaller than its squares\n  do:  correct columns, rows, square, marker or dictionary", .board.columns, .board.rows, .board.square, .board.marker, .board.dictionary, .board.markers(), .board.dictionary.count
+        "a ChArUco board of {} × {} squares of {} m with markers of {} m of {} cannot be\n  why: it needs {} markers of the dictionary's {}, 3 squares a side, and markers smaller than its squares\n  do:  correct columns, rows, square, marker or dictionary", .board.columns, .board.rows, .board.square, .board.marker, .board.dictionary, .board.marker_count(), .board.dictionary.count
     )]
     NoCharuco {
         /// The board.
@@ -156,19 +156,19 @@ pub enum BoardError {
 
 impl Board {
     /// Inner corners along the first and second axis.
-    pub fn inner(&self) -> (usize, usize) {
+    pub(crate) fn inner_corner_counts(&self) -> (usize, usize) {
         (self.columns.saturating_sub(1), self.rows.saturating_sub(1))
     }
 
     /// The inner corners in the board's frame, m: row after row, i fastest.
-    pub fn corners(&self) -> Vec<Point3> {
-        let (across, down) = self.inner();
+    pub fn corner_points(&self) -> Vec<Point3> {
+        let (across, down) = self.inner_corner_counts();
         let corner = |i: usize, j: usize| [i as f64 * self.square, j as f64 * self.square, 0.0];
         (0..down).flat_map(|j| (0..across).map(move |i| corner(i, j))).collect()
     }
 
     /// Whether the square (column, row) is black; (0, 0) is the outer square at corner (0, 0).
-    pub fn black(&self, column: usize, row: usize) -> bool {
+    pub fn is_black(&self, column: usize, row: usize) -> bool {
         (column + row).is_multiple_of(2)
     }
 }
@@ -203,7 +203,7 @@ fn other_dictionary(other: Option<Dictionary>) -> String {
     }
 }
 
-/// Finds the inner corners of `board`, px, in the order of [`Board::corners`].
+/// Finds the inner corners of `board`, px, in the order of [`Board::corner_points`].
 ///
 /// Saddles of the blurred picture, joined to a grid, refined in the picture itself, then turned so that black and white
 /// fit the board. The whole board must be seen, with a light margin.
@@ -212,37 +212,38 @@ fn other_dictionary(other: Option<Dictionary>) -> String {
 /// [`BoardError`] when the board's order is not unique, or it is not completely in the picture: then with the number of
 /// corners were seen.
 pub fn find(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
-    whole(picture)?;
+    check_levels(picture)?;
     let (columns, rows) = (board.columns, board.rows);
-    let (across, down) = board.inner();
+    let (across, down) = board.inner_corner_counts();
     if across < 2 || down < 2 || (columns + rows).is_multiple_of(2) {
         return Err(BoardError::Ambiguous { columns, rows });
     }
-    let reduced = Reduced::of(picture).and_then(|reduced| {
-        let rough: Vec<Point2> = corners(&reduced.picture, board).ok()?.iter().map(|p| reduced.enlarged(*p)).collect();
-        refined(picture, &rough, across)
+    let reduced = Reduced::of_large_picture(picture).and_then(|reduced| {
+        let rough: Vec<Point2> =
+            corners_in_order(&reduced.picture, board).ok()?.iter().map(|p| reduced.to_picture(*p)).collect();
+        refine_corners(picture, &rough, across)
     });
     match reduced {
-        Some(corners) => Ok(turned(picture, corners, board)),
-        None => corners(picture, board).map(|corners| turned(picture, corners, board)),
+        Some(corners) => Ok(orient_corners(picture, corners, board)),
+        None => corners_in_order(picture, board).map(|corners| orient_corners(picture, corners, board)),
     }
 }
 
 /// The corners of the board in the order of a grid, from either end.
-fn corners(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
-    let (across, down) = board.inner();
-    let (mut in_grid, mut seen) = (0, 0);
+fn corners_in_order(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
+    let (across, down) = board.inner_corner_counts();
+    let (mut in_grid, mut count_seen) = (0, 0);
     for blur in BLURS {
-        let places: Vec<Point2> = saddle::saddles(picture, blur).iter().map(|s| s.at).collect();
+        let places: Vec<Point2> = saddle::find_saddles(picture, blur).iter().map(|s| s.at).collect();
         let rough = lattice::find(&places, across, down);
-        match rough.map(|rough| refined(picture, &rough, across)) {
+        match rough.map(|rough| refine_corners(picture, &rough, across)) {
             Ok(Some(corners)) => return Ok(corners),
             Ok(None) => {}
-            Err(size) => (in_grid, seen) = (in_grid, seen).max((size, places.len())),
+            Err(size) => (in_grid, count_seen) = (in_grid, count_seen).max((size, places.len())),
         }
     }
     let Board { columns, rows, .. } = *board;
-    Err(BoardError::NotFound { columns, rows, in_grid, seen, expected: across * down })
+    Err(BoardError::NotFound { columns, rows, in_grid, seen: count_seen, expected: across * down })
 }
 
 /// A checkerboard of which nothing was known.
@@ -258,14 +259,14 @@ pub struct AnyCheckerboard {
 
 /// The checkerboard in a picture of which nothing is known; none where there is no whole one.
 pub fn any_checkerboard(picture: &Gray) -> Option<AnyCheckerboard> {
-    whole(picture).ok()?;
-    let reduced = Reduced::of(picture);
+    check_levels(picture).ok()?;
+    let reduced = Reduced::of_large_picture(picture);
     let searched = reduced.as_ref().map_or(picture, |reduced| &reduced.picture);
     let grid = BLURS[..2].iter().find_map(|blur| {
-        let places: Vec<Point2> = saddle::saddles(searched, *blur).iter().map(|s| s.at).collect();
-        lattice::largest(&places)
+        let places: Vec<Point2> = saddle::find_saddles(searched, *blur).iter().map(|s| s.at).collect();
+        lattice::largest_grid(&places)
     })?;
-    let enlarge = |place: &Point2| reduced.as_ref().map_or(*place, |reduced| reduced.enlarged(*place));
+    let enlarge = |place: &Point2| reduced.as_ref().map_or(*place, |reduced| reduced.to_picture(*place));
     let mut corners: Vec<Point2> = grid.places.iter().map(enlarge).collect();
     let (first, last) = (corners[0], corners[corners.len() - 1]);
     if last[0] + last[1] < first[0] + first[1] {
@@ -276,35 +277,36 @@ pub fn any_checkerboard(picture: &Gray) -> Option<AnyCheckerboard> {
 
 /// # Errors
 /// [`BoardError::Levels`]
-fn whole(picture: &Gray) -> Result<(), BoardError> {
+fn check_levels(picture: &Gray) -> Result<(), BoardError> {
     let (width, height, levels) = (picture.width, picture.height, picture.pixels.len());
     picture.check().map_err(|_| BoardError::Levels { width, height, levels })
 }
 
 /// Every corner to a fraction of a pixel; none when one of them is no saddle after all.
-fn refined(picture: &Gray, rough: &[Point2], across: usize) -> Option<Vec<Point2>> {
+fn refine_corners(picture: &Gray, rough: &[Point2], across: usize) -> Option<Vec<Point2>> {
     let distance = |a: usize, b: usize| (rough[a][0] - rough[b][0]).hypot(rough[a][1] - rough[b][1]);
-    let place = |k: usize| {
-        let beside = if (k + 1).is_multiple_of(across) { k - 1 } else { k + 1 };
-        let below = if k + across < rough.len() { k + across } else { k - across };
-        let radius = (REFINED_SHARE * distance(k, beside).min(distance(k, below))).clamp(REFINED.0, REFINED.1);
-        saddle::refine(picture, rough[k], radius)
+    let refine_corner = |k: usize| {
+        let column_neighbour = if (k + 1).is_multiple_of(across) { k - 1 } else { k + 1 };
+        let row_neighbour = if k + across < rough.len() { k + across } else { k - across };
+        let radius =
+            (REFINED_SHARE * distance(k, column_neighbour).min(distance(k, row_neighbour))).clamp(REFINED.0, REFINED.1);
+        saddle::refine_saddle(picture, rough[k], radius)
     };
-    (0..rough.len()).map(place).collect()
+    (0..rough.len()).map(refine_corner).collect()
 }
 
 /// The corners, or the corners upside down, so that the squares between them have the board's colours.
-fn turned(picture: &Gray, mut corners: Vec<Point2>, board: &Board) -> Vec<Point2> {
-    let (across, down) = board.inner();
+fn orient_corners(picture: &Gray, mut corners: Vec<Point2>, board: &Board) -> Vec<Point2> {
+    let (across, down) = board.inner_corner_counts();
     let middle = |i: usize, j: usize| {
-        let at = |i: usize, j: usize| corners[j * across + i];
-        let around = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
-        [0, 1].map(|axis| 0.25 * around.iter().map(|p| p[axis]).sum::<f64>())
+        let corner_at = |i: usize, j: usize| corners[j * across + i];
+        let square_corners = [corner_at(i, j), corner_at(i + 1, j), corner_at(i, j + 1), corner_at(i + 1, j + 1)];
+        [0, 1].map(|axis| 0.25 * square_corners.iter().map(|p| p[axis]).sum::<f64>())
     };
     let mut levels = [(0.0, 0.0); 2]; // sum and number, of squares that should be white and black
     for (i, j) in (0..down - 1).flat_map(|j| (0..across - 1).map(move |i| (i, j))) {
-        let (sum, number) = &mut levels[usize::from(board.black(i + 1, j + 1))];
-        *sum += picture.level(middle(i, j));
+        let (sum, number) = &mut levels[usize::from(board.is_black(i + 1, j + 1))];
+        *sum += picture.interpolated_level(middle(i, j));
         *number += 1.0;
     }
     let [white, black] = levels.map(|(sum, number)| sum / number);
@@ -365,11 +367,11 @@ impl Target {
     /// Its points in its own frame, m.
     pub fn points(&self) -> Vec<Point3> {
         match self {
-            Self::Checkerboard(board) => board.corners(),
+            Self::Checkerboard(board) => board.corner_points(),
             Self::Dots(dots) => dots.points(),
             Self::AsymmetricDots(dots) => dots.points(),
             Self::Charuco(Charuco { columns, rows, square, .. }) => {
-                Board { columns: *columns, rows: *rows, square: *square }.corners()
+                Board { columns: *columns, rows: *rows, square: *square }.corner_points()
             }
         }
     }
@@ -380,9 +382,9 @@ impl Target {
     /// [`BoardError`] when it is not in the picture as a whole, or too little of a ChArUco board is.
     pub fn find(&self, picture: &Gray) -> Result<View, BoardError> {
         match self {
-            Self::Checkerboard(board) => find(picture, board).map(View::whole),
-            Self::Dots(board) => dots::find(picture, board).map(View::whole),
-            Self::AsymmetricDots(board) => asymmetric::find(picture, board).map(View::whole),
+            Self::Checkerboard(board) => find(picture, board).map(View::of_whole_board),
+            Self::Dots(board) => dots::find(picture, board).map(View::of_whole_board),
+            Self::AsymmetricDots(board) => asymmetric::find(picture, board).map(View::of_whole_board),
             Self::Charuco(board) => charuco::find(picture, board),
         }
     }

@@ -18,12 +18,12 @@ pub struct Reduced {
 
 impl Reduced {
     /// The copy of a picture that is too large to be searched as a whole.
-    pub(super) fn of(picture: &Gray) -> Option<Self> {
-        (picture.pixels.len() > LARGE).then(|| Self::to(picture, REDUCED))
+    pub(super) fn of_large_picture(picture: &Gray) -> Option<Self> {
+        (picture.pixels.len() > LARGE).then(|| Self::with_at_most(picture, REDUCED))
     }
 
     /// The copy of at most `pixels` pixels, in whole blocks; what is left at the right and the lower end is left out.
-    pub fn to(picture: &Gray, pixels: usize) -> Self {
+    pub fn with_at_most(picture: &Gray, pixels: usize) -> Self {
         let block = (picture.pixels.len() as f64 / pixels as f64).sqrt().ceil().max(1.0) as usize;
         let (width, height) = ((picture.width / block).max(1), (picture.height / block).max(1));
         let mut levels = Vec::with_capacity(width * height);
@@ -42,12 +42,12 @@ impl Reduced {
     }
 
     /// The middle of a block's pixels, px of the whole picture, for a place in the copy.
-    pub(crate) fn enlarged(&self, place: Point2) -> Point2 {
+    pub(crate) fn to_picture(&self, place: Point2) -> Point2 {
         place.map(|c| c * self.block as f64 + 0.5 * (self.block as f64 - 1.0))
     }
 
     /// A place of the whole picture in the copy.
-    pub fn reduced(&self, place: Point2) -> Point2 {
+    pub fn to_copy(&self, place: Point2) -> Point2 {
         place.map(|c| (c - 0.5 * (self.block as f64 - 1.0)) / self.block as f64)
     }
 }
@@ -59,12 +59,12 @@ mod tests {
     #[test]
     fn a_block_becomes_its_mean_at_its_middle() {
         let picture = Gray::from_fn(7, 5, |x, y| (10 * y + x) as f64);
-        let reduced = Reduced::to(&picture, 9);
+        let reduced = Reduced::with_at_most(&picture, 9);
         assert_eq!((reduced.block, reduced.picture.width, reduced.picture.height), (2, 3, 2));
         // 2, 3, 12 and 13; 20, 21, 30 and 31, rounded
         assert_eq!((reduced.picture.pixels[1], reduced.picture.pixels[3]), (8, 26));
-        assert_eq!(reduced.enlarged([1.0, 0.0]), [2.5, 0.5]);
-        assert_eq!(reduced.reduced([2.5, 0.5]), [1.0, 0.0]);
-        assert!(Reduced::of(&picture).is_none());
+        assert_eq!(reduced.to_picture([1.0, 0.0]), [2.5, 0.5]);
+        assert_eq!(reduced.to_copy([2.5, 0.5]), [1.0, 0.0]);
+        assert!(Reduced::of_large_picture(&picture).is_none());
     }
 }

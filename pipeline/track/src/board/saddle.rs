@@ -29,38 +29,38 @@ const MOST: usize = 4000;
 const RING: usize = 24;
 
 /// The saddles of a picture blurred by `sigma` (px), strongest first, none nearer than 2 `sigma` to another.
-pub(super) fn saddles(picture: &Gray, sigma: f64) -> Vec<Saddle> {
+pub(super) fn find_saddles(picture: &Gray, sigma: f64) -> Vec<Saddle> {
     if (picture.width.min(picture.height) as f64) < 8.0 * sigma {
         return Vec::new();
     }
     let blurred = Blurred::new(picture, sigma);
-    let apart = (2.0 * sigma).round() as usize;
-    let strength = blurred.strengths();
-    let mut found = peaks(&strength, blurred.width, blurred.height, apart);
-    let limit = found.first().map_or(f64::INFINITY, |s| (WEAKEST * s.strength).max(LEAST_STRENGTH));
-    found.retain(|s| s.strength >= limit);
-    found.truncate(MOST);
-    found.retain(|s| alternates(&blurred, s.at, 2.5 * sigma));
-    found
+    let min_distance = (2.0 * sigma).round() as usize;
+    let strength = blurred.saddle_strengths();
+    let mut candidates = find_peaks(&strength, blurred.width, blurred.height, min_distance);
+    let limit = candidates.first().map_or(f64::INFINITY, |s| (WEAKEST * s.strength).max(LEAST_STRENGTH));
+    candidates.retain(|s| s.strength >= limit);
+    candidates.truncate(MOST);
+    candidates.retain(|s| alternates_on_ring(&blurred, s.at, 2.5 * sigma));
+    candidates
 }
 
 /// The place of the saddle near `start`, to a hundredth of a pixel: the flat point of a quadratic fitted around it.
 ///
 /// Levels in a disc of `radius` (px), weighted to its edge by a cone; repeated around each new place. None when there is
 /// no saddle, or it lies further than `radius` away.        \[lucchese2002\]
-pub(super) fn refine(picture: &Gray, start: Point2, radius: f64) -> Option<Point2> {
-    let mut at = start;
+pub(super) fn refine_saddle(picture: &Gray, start: Point2, radius: f64) -> Option<Point2> {
+    let mut centre = start;
     for _ in 0..REFINEMENTS {
-        let step = flat_point(picture, at, radius)?;
-        at = [at[0] + step[0], at[1] + step[1]];
-        if (at[0] - start[0]).hypot(at[1] - start[1]) > radius {
+        let step = flat_point(picture, centre, radius)?;
+        centre = [centre[0] + step[0], centre[1] + step[1]];
+        if (centre[0] - start[0]).hypot(centre[1] - start[1]) > radius {
             return None;
         }
         if step[0].hypot(step[1]) < 1e-3 {
             break;
         }
     }
-    Some(at)
+    Some(centre)
 }
 
 /// Refinements of a corner; the third moves it by less than a thousandth of a pixel.
@@ -69,7 +69,7 @@ const REFINEMENTS: usize = 8;
 /// The step from `at` to the flat point of a quadratic q = a x² + b xy + c y² + d x + e y + f fitted around it.
 fn flat_point(picture: &Gray, at: Point2, radius: f64) -> Option<Point2> {
     let reach = radius.ceil() as i64;
-    if !picture.holds(at, reach as f64 + 1.0) {
+    if !picture.holds_with_margin(at, reach as f64 + 1.0) {
         return None;
     }
     let middle = at.map(|v| v.round() as i64);
@@ -82,7 +82,7 @@ fn flat_point(picture: &Gray, at: Point2, radius: f64) -> Option<Point2> {
             if weight > 0.0 {
                 let basis = nalgebra::SVector::<f64, 6>::from([x * x, x * y, y * y, x, y, 1.0]);
                 normal += basis * basis.transpose() * weight;
-                right += basis * (weight * picture.at(column as usize, row as usize));
+                right += basis * (weight * picture.pixel_level(column as usize, row as usize));
             }
         }
     }
@@ -101,9 +101,9 @@ impl Blurred {
         let sum = curve[0] + 2.0 * curve[1..].iter().sum::<f64>();
         let kernel: Vec<f32> = curve.iter().map(|c| (c / sum) as f32).collect();
         let pixels: Vec<f32> = picture.pixels.iter().map(|&p| f32::from(p)).collect();
-        let mut across = vec![0.0; pixels.len()];
+        let mut blurred_rows = vec![0.0; pixels.len()];
         let mut padded = vec![0.0; width + 2 * reach];
-        for (row, out) in pixels.chunks(width).zip(across.chunks_mut(width)) {
+        for (row, out) in pixels.chunks(width).zip(blurred_rows.chunks_mut(width)) {
             padded[..reach].fill(row[0]);
             padded[reach..reach + width].copy_from_slice(row);
             padded[reach + width..].fill(row[width - 1]);
@@ -114,7 +114,7 @@ impl Blurred {
         }
         let mut levels = vec![0.0; pixels.len()];
         for (y, out) in levels.chunks_mut(width).enumerate() {
-            let row = |i: usize| &across[i.min(height - 1) * width..][..width];
+            let row = |i: usize| &blurred_rows[i.min(height - 1) * width..][..width];
             for (weight, i) in (0..=2 * reach).map(|i| (kernel[i.abs_diff(reach)], (y + i).saturating_sub(reach))) {
                 out.iter_mut().zip(row(i)).for_each(|(value, level)| *value += weight * level);
             }
@@ -123,23 +123,23 @@ impl Blurred {
     }
 
     /// Iₓᵧ² − Iₓₓ Iᵧᵧ at every pixel, 0 along the border: positive where the level is a saddle.
-    fn strengths(&self) -> Vec<f32> {
+    fn saddle_strengths(&self) -> Vec<f32> {
         let (w, mut out) = (self.width, vec![0.0; self.levels.len()]);
         for y in 1..self.height.saturating_sub(1) {
             for x in 1..w.saturating_sub(1) {
-                let at = y * w + x;
+                let pixel = y * w + x;
                 let i = |k: usize| self.levels[k];
-                let xx = i(at - 1) - 2.0 * i(at) + i(at + 1);
-                let yy = i(at - w) - 2.0 * i(at) + i(at + w);
-                let xy = 0.25 * (i(at + w + 1) - i(at + w - 1) - i(at - w + 1) + i(at - w - 1));
-                out[at] = xy * xy - xx * yy;
+                let xx = i(pixel - 1) - 2.0 * i(pixel) + i(pixel + 1);
+                let yy = i(pixel - w) - 2.0 * i(pixel) + i(pixel + w);
+                let xy = 0.25 * (i(pixel + w + 1) - i(pixel + w - 1) - i(pixel - w + 1) + i(pixel - w - 1));
+                out[pixel] = xy * xy - xx * yy;
             }
         }
         out
     }
 
     /// The level at a place, linear between pixels.
-    fn level(&self, [x, y]: Point2) -> f64 {
+    fn interpolated_level(&self, [x, y]: Point2) -> f64 {
         let (left, top) = (x as usize, y as usize);
         let (u, v) = (x - left as f64, y - top as f64);
         let i = |x: usize, y: usize| f64::from(self.levels[y * self.width + x]);
@@ -148,39 +148,41 @@ impl Blurred {
     }
 }
 
-/// Pixels larger than all within `apart`, strongest first (equals in reading order).
-fn peaks(strength: &[f32], width: usize, height: usize, apart: usize) -> Vec<Saddle> {
-    let mut found = Vec::new();
-    for y in apart..height.saturating_sub(apart) {
-        for x in apart..width.saturating_sub(apart) {
-            let here = strength[y * width + x];
+/// Pixels larger than all within `min_distance`, strongest first (equals in reading order).
+fn find_peaks(strength: &[f32], width: usize, height: usize, min_distance: usize) -> Vec<Saddle> {
+    let mut maxima = Vec::new();
+    for y in min_distance..height.saturating_sub(min_distance) {
+        for x in min_distance..width.saturating_sub(min_distance) {
+            let peak_strength = strength[y * width + x];
             let beaten = || {
-                (y - apart..=y + apart).any(|v| {
-                    let row = &strength[v * width + x - apart..=v * width + x + apart];
-                    row.iter().enumerate().any(|(k, &s)| s > here || (s == here && (v, x + k) < (y, x + apart)))
+                (y - min_distance..=y + min_distance).any(|v| {
+                    let row = &strength[v * width + x - min_distance..=v * width + x + min_distance];
+                    row.iter()
+                        .enumerate()
+                        .any(|(k, &s)| s > peak_strength || (s == peak_strength && (v, x + k) < (y, x + min_distance)))
                 })
             };
-            if f64::from(here) > LEAST_STRENGTH && !beaten() {
-                found.push(Saddle { at: [x as f64, y as f64], strength: f64::from(here) });
+            if f64::from(peak_strength) > LEAST_STRENGTH && !beaten() {
+                maxima.push(Saddle { at: [x as f64, y as f64], strength: f64::from(peak_strength) });
             }
         }
     }
-    found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
-    found
+    maxima.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    maxima
 }
 
 /// Whether dark and light change four times around a ring of `radius` (px), opposite sides alike.
-fn alternates(blurred: &Blurred, at: Point2, radius: f64) -> bool {
+fn alternates_on_ring(blurred: &Blurred, centre: Point2, radius: f64) -> bool {
     let margin = radius + 2.0;
     let (right, bottom) = (blurred.width as f64 - 1.0 - margin, blurred.height as f64 - 1.0 - margin);
-    if at[0] < margin || at[1] < margin || at[0] > right || at[1] > bottom {
+    if centre[0] < margin || centre[1] < margin || centre[0] > right || centre[1] > bottom {
         return false;
     }
-    let place = |k: usize| {
+    let ring_point = |k: usize| {
         let angle = std::f64::consts::TAU * k as f64 / RING as f64;
-        [at[0] + radius * angle.cos(), at[1] + radius * angle.sin()]
+        [centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin()]
     };
-    let ring: [f64; RING] = std::array::from_fn(|k| blurred.level(place(k)));
+    let ring: [f64; RING] = std::array::from_fn(|k| blurred.interpolated_level(ring_point(k)));
     let (low, high) = ring.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
     let light = ring.map(|v| v > 0.5 * (low + high));
     let changes = (0..RING).filter(|&k| light[k] != light[(k + 1) % RING]).count();
@@ -211,9 +213,9 @@ mod tests {
         for k in 0..10 {
             let truth = [28.0 + 0.31 * f64::from(k), 24.3 - 0.17 * f64::from(k)];
             let picture = corner(truth);
-            let found = saddles(&picture, 2.0);
+            let found = find_saddles(&picture, 2.0);
             assert_eq!(found.len(), 1);
-            let at = refine(&picture, found[0].at, 6.0).unwrap();
+            let at = refine_saddle(&picture, found[0].at, 6.0).unwrap();
             let miss = (at[0] - truth[0]).hypot(at[1] - truth[1]);
             assert!(miss < 0.02, "{truth:?} {at:?} {miss}");
         }
@@ -224,6 +226,6 @@ mod tests {
         let edge = Gray::from_fn(60, 50, |x, y| if x + y / 3 > 30 { 200.0 } else { 50.0 });
         let disc =
             Gray::from_fn(60, 50, |x, y| if (x as f64 - 30.0).hypot(y as f64 - 25.0) < 9.0 { 50.0 } else { 200.0 });
-        assert!(saddles(&edge, 2.0).is_empty() && saddles(&disc, 2.0).is_empty());
+        assert!(find_saddles(&edge, 2.0).is_empty() && find_saddles(&disc, 2.0).is_empty());
     }
 }

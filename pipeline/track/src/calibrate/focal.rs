@@ -58,6 +58,10 @@ pub fn focal_difference(
     let some: Vec<View> = views.iter().step_by(views.len().div_ceil(ENOUGH).max(1)).cloned().collect();
     let fitted = calibrate(&some, points, known.distortion, size).ok()?;
     let (estimate, sigma, known) = (fitted.lens.fx, fitted.sigma()[0], known.fx);
-    let off = (known - estimate).abs();
-    (off > SHARE * estimate && off > DEVIATIONS * sigma).then_some(FocalDifference { known, estimate, sigma })
+    let difference = (known - estimate).abs();
+    (difference > SHARE * estimate && difference > DEVIATIONS * sigma).then_some(FocalDifference {
+        known,
+        estimate,
+        sigma,
+    })
 }

@@ -14,7 +14,7 @@ pub(crate) fn homography(from: &[Point2], onto: &[Point2]) -> Option<Matrix3<f64
     if from.len() < 4 || from.len() != onto.len() {
         return None;
     }
-    let (S, T) = (normaliser(from)?, normaliser(onto)?);
+    let (S, T) = (normalising_map(from)?, normalising_map(onto)?);
     let mut AtA = SMatrix::<f64, 9, 9>::zeros();
     for (a, b) in from.iter().zip(onto) {
         let p = S * Vector3::new(a[0], a[1], 1.0);
@@ -40,13 +40,13 @@ pub(crate) fn homography(from: &[Point2], onto: &[Point2]) -> Option<Matrix3<f64
 
 /// The place that a map takes a point to.
 #[allow(non_snake_case)]
-pub(crate) fn mapped(H: &Matrix3<f64>, point: Point2) -> Point2 {
-    let there = H * Vector3::new(point[0], point[1], 1.0);
-    [there.x / there.z, there.y / there.z]
+pub(crate) fn map_point(H: &Matrix3<f64>, point: Point2) -> Point2 {
+    let image = H * Vector3::new(point[0], point[1], 1.0);
+    [image.x / image.z, image.y / image.z]
 }
 
 /// Moves the middle of the points to 0 and their mean distance from it to √2.
-fn normaliser(points: &[Point2]) -> Option<Matrix3<f64>> {
+fn normalising_map(points: &[Point2]) -> Option<Matrix3<f64>> {
     let n = points.len() as f64;
     let middle = points.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]);
     let spread: f64 = points.iter().map(|p| (p[0] - middle[0]).hypot(p[1] - middle[1]) / n).sum();
@@ -56,7 +56,7 @@ fn normaliser(points: &[Point2]) -> Option<Matrix3<f64>> {
 
 /// The pose in a map from the plane z = 0 (m) to normalised rays: H ∝ [r₁ r₂ t], the plane in front of the camera.
 #[allow(non_snake_case)]
-pub(super) fn pose(H: &Matrix3<f64>) -> Pose {
+pub(super) fn pose_of_homography(H: &Matrix3<f64>) -> Pose {
     let (h1, h2, t) = (H.column(0).into_owned(), H.column(1).into_owned(), H.column(2).into_owned());
     let scale = t.z.signum() * 2.0 / (h1.norm() + h2.norm());
     let (r1, r2, t) = (h1 * scale, h2 * scale, t * scale);
@@ -65,15 +65,16 @@ pub(super) fn pose(H: &Matrix3<f64>) -> Pose {
 
 /// The other pose from which a plane looks much the same when far away: its tilt against the line of sight reversed.
 #[allow(non_snake_case)]
-pub(super) fn mirrored(pose: &Pose, middle: si::Point3) -> Pose {
-    let R = pose.matrix();
-    let seen = Vector3::from(pose.apply(middle));
-    let sight = seen.normalize();
+pub(super) fn mirrored_pose(pose: &Pose, middle: si::Point3) -> Pose {
+    let R = pose.rotation_matrix();
+    let middle_in_camera = Vector3::from(pose.apply(middle));
+    let line_of_sight = middle_in_camera.normalize();
     let normal = R.column(2).into_owned();
-    let other = 2.0 * sight.dot(&normal) * sight - normal;
-    let turn = nalgebra::Rotation3::rotation_between(&normal, &other).map_or(Matrix3::identity(), |r| r.into_inner());
+    let mirrored_normal = 2.0 * line_of_sight.dot(&normal) * line_of_sight - normal;
+    let turn = nalgebra::Rotation3::rotation_between(&normal, &mirrored_normal)
+        .map_or(Matrix3::identity(), |r| r.into_inner());
     let R = turn * R;
-    Pose::from_matrix(&R, seen - R * Vector3::from(middle))
+    Pose::from_matrix(&R, middle_in_camera - R * Vector3::from(middle))
 }
 
 #[cfg(test)]
@@ -89,8 +90,8 @@ mod tests {
             let [x, y, z] = truth.apply([p[0], p[1], 0.0]);
             [x / z, y / z]
         };
-        let found = pose(&homography(&plane, &plane.iter().map(ray).collect::<Vec<_>>()).unwrap());
-        assert!(vec3::norm(vec3::sub(found.turn(), truth.turn())) < 1e-9);
+        let found = pose_of_homography(&homography(&plane, &plane.iter().map(ray).collect::<Vec<_>>()).unwrap());
+        assert!(vec3::norm(vec3::sub(found.rotation_vector(), truth.rotation_vector())) < 1e-9);
         assert!(vec3::norm(vec3::sub(found.translation, truth.translation)) < 1e-9);
     }
 
@@ -104,9 +105,9 @@ mod tests {
     fn a_mirrored_pose_keeps_the_middle_and_mirrors_back() {
         let pose = Pose::from_vector([2.9, 0.2, -0.3], [0.02, -0.04, 0.6]);
         let middle = [0.05, 0.03, 0.0];
-        let other = mirrored(&pose, middle);
+        let other = mirrored_pose(&pose, middle);
         assert!(vec3::norm(vec3::sub(other.apply(middle), pose.apply(middle))) < 1e-12);
-        let back = mirrored(&other, middle);
-        assert!(vec3::norm(vec3::sub(back.turn(), pose.turn())) < 1e-9);
+        let back = mirrored_pose(&other, middle);
+        assert!(vec3::norm(vec3::sub(back.rotation_vector(), pose.rotation_vector())) < 1e-9);
     }
 }

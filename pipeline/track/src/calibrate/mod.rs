@@ -8,9 +8,9 @@ mod refine;
 use crate::lens::{Distortion, Lens, VALUES};
 use crate::pose::Pose;
 pub use focal::{FocalDifference, focal_difference};
-use homography::{homography, mirrored, pose};
+use homography::{homography, mirrored_pose, pose_of_homography};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
-use refine::{Guess, Seen, refine, squares};
+use refine::{Guess, Seen, refine, squared_misses};
 use si::{Metre, Point2, Point3};
 
 /// What one picture shows of a board.
@@ -24,7 +24,7 @@ pub struct View {
 
 impl View {
     /// A view of all points.
-    pub fn whole(corners: Vec<Point2>) -> Self {
+    pub fn of_whole_board(corners: Vec<Point2>) -> Self {
         Self { corners, numbers: None }
     }
 
@@ -37,18 +37,18 @@ impl View {
     }
 
     /// The pixel of one of the board's points, where it is seen.
-    pub fn corner(&self, number: usize) -> Option<Point2> {
-        let place = self.numbers.as_ref().map_or(Some(number), |numbers| numbers.binary_search(&number).ok());
-        self.corners.get(place?).copied()
+    pub fn corner_pixel(&self, number: usize) -> Option<Point2> {
+        let index = self.numbers.as_ref().map_or(Some(number), |numbers| numbers.binary_search(&number).ok());
+        self.corners.get(index?).copied()
     }
 
     /// The mean of views of a board at rest: of each point that one of them shows, over those that do.
     pub fn mean(views: &[Self]) -> Self {
         let count = views.iter().map(Self::extent).max().unwrap_or(0);
         let mean = |number: usize| {
-            let seen: Vec<Point2> = views.iter().filter_map(|view| view.corner(number)).collect();
-            let sum = |k: usize| seen.iter().map(|p| p[k]).sum::<f64>() / seen.len() as f64;
-            (!seen.is_empty()).then(|| (number, [sum(0), sum(1)]))
+            let pixels: Vec<Point2> = views.iter().filter_map(|view| view.corner_pixel(number)).collect();
+            let sum = |k: usize| pixels.iter().map(|p| p[k]).sum::<f64>() / pixels.len() as f64;
+            (!pixels.is_empty()).then(|| (number, [sum(0), sum(1)]))
         };
         let (numbers, corners) = (0..count).filter_map(mean).unzip();
         let is_whole = views.iter().all(|view| view.numbers.is_none());
@@ -82,7 +82,7 @@ impl Calibration {
     }
 }
 
-/// Numbers of a camera: those of its lens, then turn (rad) and shift (m) of its pose as [`Pose::moved`] takes them.
+/// Numbers of a camera: those of its lens, then turn (rad) and shift (m) of its pose as [`Pose::rotated_and_shifted`] takes them.
 pub const CAMERA_PARAMETERS: usize = VALUES + 6;
 
 /// Why no lens or pose comes out.
@@ -152,13 +152,14 @@ pub fn calibrate(
         return Err(CalibrateError::TooFewViews { given: views.len(), needed: LEAST_VIEWS });
     }
     let middle = [0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0)];
-    let seen: Vec<_> = views.iter().zip(&shown).map(|(view, points)| Seen { points, pixels: &view.corners }).collect();
-    let lens = Lens { distortion, ..begin(&seen, middle)? };
-    let mut guess = Guess { lens, poses: initial_poses(&lens, &seen)? };
-    refine(&mut guess, &seen, false);
-    let sum = refine(&mut guess, &seen, true);
-    let covariance = refine::covariance(&guess, &seen);
-    let covariance = covariance.ok_or_else(|| degenerate("the equations of the lens are singular"))?;
+    let correspondences: Vec<_> =
+        views.iter().zip(&shown).map(|(view, points)| Seen { points, pixels: &view.corners }).collect();
+    let lens = Lens { distortion, ..initial_lens(&correspondences, middle)? };
+    let mut guess = Guess { lens, poses: initial_poses(&lens, &correspondences)? };
+    refine(&mut guess, &correspondences, false);
+    let sum = refine(&mut guess, &correspondences, true);
+    let covariance = refine::lens_covariance(&guess, &correspondences);
+    let covariance = covariance.ok_or_else(|| degenerate_error("the equations of the lens are singular"))?;
     let sigma = covariance[0][0].sqrt();
     if sigma > FOCAL_SIGMA_LIMIT * guess.lens.fx {
         let why = format!("the focal length would be {:.0} ± {sigma:.0} px", guess.lens.fx);
@@ -168,7 +169,7 @@ pub fn calibrate(
     Ok(Calibration { lens: guess.lens, poses: guess.poses, reprojection_px, covariance })
 }
 
-fn degenerate(why: &str) -> CalibrateError {
+fn degenerate_error(why: &str) -> CalibrateError {
     CalibrateError::Degenerate { why: why.into() }
 }
 
@@ -178,20 +179,20 @@ fn in_plane(points: &[Point3]) -> Vec<Point2> {
 }
 
 /// A pinhole from the maps of the views, the optical axis at `middle` (px).
-fn begin(views: &[Seen], middle: Point2) -> Result<Lens, CalibrateError> {
+fn initial_lens(views: &[Seen], middle: Point2) -> Result<Lens, CalibrateError> {
     let maps: Option<Vec<_>> = views.iter().map(|view| homography(&in_plane(view.points), view.pixels)).collect();
-    let maps = maps.ok_or_else(|| degenerate("the corners of a view lie on a line"))?;
-    focal_lengths(&maps, middle).ok_or_else(|| degenerate("the board is tilted alike in all views"))
+    let maps = maps.ok_or_else(|| degenerate_error("the corners of a view lie on a line"))?;
+    focal_lengths(&maps, middle).ok_or_else(|| degenerate_error("the board is tilted alike in all views"))
 }
 
 /// Initial pose of each view, from the rays of its pixels through the initial lens.
 fn initial_poses(lens: &Lens, views: &[Seen]) -> Result<Vec<Pose>, CalibrateError> {
     let initial_pose = |view: &Seen| {
         let rays: Option<Vec<Point2>> = view.pixels.iter().map(|pixel| lens.unproject(*pixel)).collect();
-        Some(pose(&homography(&in_plane(view.points), &rays?)?))
+        Some(pose_of_homography(&homography(&in_plane(view.points), &rays?)?))
     };
     let poses: Option<Vec<Pose>> = views.iter().map(initial_pose).collect();
-    poses.ok_or_else(|| degenerate("a view reaches beyond the rays of its first lens"))
+    poses.ok_or_else(|| degenerate_error("a view reaches beyond the rays of its first lens"))
 }
 
 /// Joint covariance of a lens and a pose, when the pose was found from `points` (m) and `pixels` (px) with a lens
@@ -206,7 +207,7 @@ pub fn joint_covariance(
     pixels: &[Point2],
 ) -> Result<[[f64; CAMERA_PARAMETERS]; CAMERA_PARAMETERS], CalibrateError> {
     let guess = Guess { lens: *lens, poses: vec![*pose] };
-    let joint = refine::joint(covariance, &guess, &[Seen { points, pixels }]);
+    let joint = refine::joint_covariance(covariance, &guess, &[Seen { points, pixels }]);
     joint.ok_or_else(|| CalibrateError::Points { why: "the points lie on a line".into() })
 }
 
@@ -248,15 +249,15 @@ pub fn pose_from_plane(lens: &Lens, points: &[Point3], pixels: &[Point2]) -> Res
         pixels.iter().enumerate().map(|(i, &pixel)| lens.unproject(pixel).ok_or_else(|| unseen(i))).collect();
     let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
     let line = || CalibrateError::Points { why: "the points or pixels lie on a line".into() };
-    let flat = pose(&homography(&plane, &rays?).ok_or_else(line)?);
+    let flat = pose_of_homography(&homography(&plane, &rays?).ok_or_else(line)?);
     let n = points.len() as f64;
     let middle = plane.iter().fold([0.0; 3], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n, 0.0]);
 
-    let seen = [Seen { points: &points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>(), pixels }];
-    let starts = [flat, mirrored(&flat, middle)];
+    let correspondences = [Seen { points: &points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>(), pixels }];
+    let starts = [flat, mirrored_pose(&flat, middle)];
     let refined = starts.map(|start| {
         let mut guess = Guess { lens: *lens, poses: vec![start] };
-        (refine(&mut guess, &seen, false), guess.poses[0])
+        (refine(&mut guess, &correspondences, false), guess.poses[0])
     });
     let (_, Pose { rotation, translation }) = if refined[1].0 < refined[0].0 { refined[1] } else { refined[0] };
     let lowered = si::vec3::sub(translation, rotation.map(|row| row[2] * height));
@@ -277,7 +278,7 @@ fn plane_height(points: &[Point3], pixels: &[Point2]) -> Result<Metre, Calibrate
 }
 
 /// Root of the mean squared distance between `pixels` and the projected `points`, px.
-pub fn reprojection(lens: &Lens, pose: &Pose, points: &[Point3], pixels: &[Point2]) -> f64 {
+pub fn reprojection_error(lens: &Lens, pose: &Pose, points: &[Point3], pixels: &[Point2]) -> f64 {
     let guess = Guess { lens: *lens, poses: vec![*pose] };
-    (squares(&guess, &[Seen { points, pixels }]) / points.len().max(1) as f64).sqrt()
+    (squared_misses(&guess, &[Seen { points, pixels }]) / points.len().max(1) as f64).sqrt()
 }

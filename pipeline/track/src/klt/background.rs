@@ -33,9 +33,9 @@ impl Background {
     /// Reads the ring outside `radius` (px) around `middle`; what is much darker or lighter than the rest is left out.
     ///
     /// The ring must lie inside the picture.
-    pub(super) fn around(picture: &Gray, middle: Point2, radius: f64) -> (Self, Ring) {
+    pub(super) fn around_point(picture: &Gray, middle: Point2, radius: f64) -> (Self, Ring) {
         let mut ring = Vec::new();
-        Disc { middle, radius: radius + RING, stride: 1 }.visit(picture, |x, y, r2, level| {
+        Disc { middle, radius: radius + RING, stride: 1 }.visit_pixels(picture, |x, y, r2, level| {
             if r2 > radius * radius {
                 ring.push((x, y, level));
             }
@@ -45,19 +45,20 @@ impl Background {
         let mut deviations: Vec<f64> = ring.iter().map(|p| (p.2 - centre).abs()).collect();
         let tolerance = 3.0 * 1.4826 * median(&mut deviations) + TOLERANCE;
         ring.retain(|p| (p.2 - centre).abs() <= tolerance);
-        let plane = fit(&ring).unwrap_or([centre, 0.0, 0.0]);
-        let off = |p: &(f64, f64, f64)| (p.2 - plane[0] - plane[1] * p.0 - plane[2] * p.1).powi(2);
-        let noise = (ring.iter().map(off).sum::<f64>() / ring.len().saturating_sub(3).max(1) as f64).sqrt();
+        let plane = fit_plane(&ring).unwrap_or([centre, 0.0, 0.0]);
+        let squared_residual = |p: &(f64, f64, f64)| (p.2 - plane[0] - plane[1] * p.0 - plane[2] * p.1).powi(2);
+        let noise =
+            (ring.iter().map(squared_residual).sum::<f64>() / ring.len().saturating_sub(3).max(1) as f64).sqrt();
         (Self { middle, plane, noise, bend: 0.0 }, Ring(ring))
     }
 
     /// The same, with its bend. It takes as long as everything else here, and is of use once a window has converged.
     pub(super) fn with_bend(self, ring: &Ring) -> Self {
-        Self { bend: bend(&ring.0, self.plane), ..self }
+        Self { bend: sector_deviation(&ring.0, self.plane), ..self }
     }
 
     /// The background's level at (x, y), counted from the middle, grey levels; at least one, so that it can divide.
-    pub(super) fn level(&self, x: f64, y: f64) -> f64 {
+    pub(super) fn level_at(&self, x: f64, y: f64) -> f64 {
         (self.plane[0] + self.plane[1] * x + self.plane[2] * y).max(1.0)
     }
 
@@ -80,7 +81,7 @@ pub(super) struct Disc {
 
 impl Disc {
     /// Calls `see` with (x, y, x² + y², level) of every pixel, places counted from the middle.
-    pub(super) fn visit(self, picture: &Gray, mut see: impl FnMut(f64, f64, f64, f64)) {
+    pub(super) fn visit_pixels(self, picture: &Gray, mut see: impl FnMut(f64, f64, f64, f64)) {
         let Self { middle, radius, stride } = self;
         let span = |c: f64, size: usize| {
             (c - radius).ceil().max(0.0) as usize..((c + radius).max(-1.0) as usize + 1).min(size)
@@ -91,7 +92,7 @@ impl Disc {
                 let x = column as f64 - middle[0];
                 let r2 = x * x + y * y;
                 if r2 <= radius * radius {
-                    see(x, y, r2, picture.at(column, row));
+                    see(x, y, r2, picture.pixel_level(column, row));
                 }
             }
         }
@@ -99,7 +100,7 @@ impl Disc {
 }
 
 /// Root mean square over sectors of what a ring's pixels are off its plane on average.
-fn bend(ring: &[(f64, f64, f64)], plane: [f64; 3]) -> f64 {
+fn sector_deviation(ring: &[(f64, f64, f64)], plane: [f64; 3]) -> f64 {
     let mut sums = [(0.0, 0.0_f64); SECTORS];
     for (x, y, level) in ring {
         let turn = (y.atan2(*x) / std::f64::consts::TAU + 0.5) * SECTORS as f64;
@@ -110,7 +111,7 @@ fn bend(ring: &[(f64, f64, f64)], plane: [f64; 3]) -> f64 {
 }
 
 /// Least squares for level = a + b x + c y.
-fn fit(places: &[(f64, f64, f64)]) -> Option<[f64; 3]> {
+fn fit_plane(places: &[(f64, f64, f64)]) -> Option<[f64; 3]> {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for &(x, y, level) in places {
         let row = Vector3::new(1.0, x, y);
@@ -134,9 +135,9 @@ mod tests {
     fn a_slope_is_read_past_a_stain() {
         let slope = |x: usize, y: usize| 150.0 + 0.4 * x as f64 - 0.2 * y as f64;
         let stained = |x: usize, y: usize| if x > 45 && y > 45 { 20.0 } else { slope(x, y) };
-        let (background, ring) = Background::around(&Gray::from_fn(64, 64, stained), [32.3, 31.6], 18.0);
+        let (background, ring) = Background::around_point(&Gray::from_fn(64, 64, stained), [32.3, 31.6], 18.0);
         for (x, y) in [(32, 32), (20, 40), (45, 25)] {
-            let found = background.level(x as f64 - 32.3, y as f64 - 31.6);
+            let found = background.level_at(x as f64 - 32.3, y as f64 - 31.6);
             assert!((found - slope(x, y)).abs() < 0.3, "{found} {}", slope(x, y));
         }
         assert!(background.noise < 0.5 && background.with_bend(&ring).bend < 0.1);

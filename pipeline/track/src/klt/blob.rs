@@ -41,9 +41,9 @@ pub(crate) struct Blob {
 
 impl Blob {
     /// The step from the place where the background was read to the centroid, px.
-    pub(super) fn off(&self) -> Point2 {
-        let from = self.background.middle();
-        [self.at[0] - from[0], self.at[1] - from[1]]
+    pub(super) fn centroid_shift(&self) -> Point2 {
+        let background_middle = self.background.middle();
+        [self.at[0] - background_middle[0], self.at[1] - background_middle[1]]
     }
 }
 
@@ -58,7 +58,7 @@ pub(crate) struct Soft {
 
 impl Soft {
     /// Weight of a pixel, 0 for background to 1 for spot, linear in its darkness.
-    pub(super) fn weight(&self, darkness: f64) -> f64 {
+    pub(super) fn pixel_weight(&self, darkness: f64) -> f64 {
         if self.full <= 0.0 {
             return 0.0;
         }
@@ -79,52 +79,52 @@ pub(crate) enum Miss {
 ///
 /// # Errors
 /// [`Miss`] when the window leaves the picture or holds nothing darker than its background.
-pub(crate) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Miss> {
+pub(crate) fn find_blob(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Miss> {
     find_distinct(picture, near, radius, f64::NEG_INFINITY)
 }
 
-/// The same, where the first look already shows a contrast of `least` (grey levels): a window on patterned ground is then not followed.
+/// The same, where the first look already shows a contrast of `min_contrast` (grey levels): a window on patterned ground is then not followed.
 ///
 /// # Errors
-/// [`Miss`] as [`find`], and where the first look shows less.
-pub(super) fn find_distinct(picture: &Gray, near: Point2, radius: f64, least: f64) -> Result<Blob, Miss> {
-    let (mut blob, mut ring) = look(picture, near, radius)?;
-    if blob.contrast < least {
+/// [`Miss`] as [`find_blob`], and where the first look shows less.
+pub(super) fn find_distinct(picture: &Gray, near: Point2, radius: f64, min_contrast: f64) -> Result<Blob, Miss> {
+    let (mut blob, mut ring) = measure_spot(picture, near, radius)?;
+    if blob.contrast < min_contrast {
         return Err(Miss::Empty);
     }
-    let mut from = near;
+    let mut previous = near;
     for _ in 1..ROUNDS {
-        if (blob.at[0] - from[0]).hypot(blob.at[1] - from[1]) < CONVERGED {
+        if (blob.at[0] - previous[0]).hypot(blob.at[1] - previous[1]) < CONVERGED {
             break;
         }
-        from = blob.at;
-        (blob, ring) = look(picture, from, radius)?;
+        previous = blob.at;
+        (blob, ring) = measure_spot(picture, previous, radius)?;
     }
     Ok(Blob { background: blob.background.with_bend(&ring), ..blob })
 }
 
-fn look(picture: &Gray, at: Point2, radius: f64) -> Result<(Blob, Ring), Miss> {
+fn measure_spot(picture: &Gray, middle: Point2, radius: f64) -> Result<(Blob, Ring), Miss> {
     // a pixel more for the template, which is cut between pixels
-    if !picture.holds(at, radius + RING + 1.0) {
+    if !picture.holds_with_margin(middle, radius + RING + 1.0) {
         return Err(Miss::Outside);
     }
-    let window = Window::open(picture, at, radius);
-    let blob = window.blob().ok_or(Miss::Empty)?;
+    let window = Window::open(picture, middle, radius);
+    let blob = window.measured_blob().ok_or(Miss::Empty)?;
     Ok((blob, window.ring))
 }
 
 /// Share of a window of `radius` (px) around the spot near a place that is as dark as a spot and not connected to it,
 /// no unit; 0 where there is no window or no spot.
-pub fn clutter(picture: &Gray, near: Point2, radius: f64) -> f64 {
-    let Ok(blob) = find(picture, near, radius) else { return 0.0 };
-    if !picture.holds(blob.at, radius + RING + 1.0) {
+pub fn clutter_share(picture: &Gray, near: Point2, radius: f64) -> f64 {
+    let Ok(blob) = find_blob(picture, near, radius) else { return 0.0 };
+    if !picture.holds_with_margin(blob.at, radius + RING + 1.0) {
         return 0.0;
     }
     let window = Window::open(picture, blob.at, radius);
     let inside = window.cells.iter().filter(|c| c.r2.is_finite()).count();
     let dark = window.cells.iter().filter(|c| c.weight > 0.5).count();
-    let own = window.nearest().map_or(0, |spot| spot.iter().filter(|c| c.weight > 0.5).count());
-    (dark - own) as f64 / inside as f64
+    let spot_pixels = window.nearest_spot().map_or(0, |spot| spot.iter().filter(|c| c.weight > 0.5).count());
+    (dark - spot_pixels) as f64 / inside as f64
 }
 
 /// One pixel of a window: its place from the middle, px, that squared, its darkness (no unit) and its weight once known.
@@ -151,38 +151,38 @@ struct Window {
 
 impl Window {
     fn open(picture: &Gray, middle: Point2, radius: f64) -> Self {
-        let (background, ring) = Background::around(picture, middle, radius);
+        let (background, ring) = Background::around_point(picture, middle, radius);
         let half = radius.ceil() as usize + 1;
         let side = 2 * half + 1;
         let first = middle.map(|c| c.round() - half as f64);
         let outside = Cell { x: 0.0, y: 0.0, r2: f64::INFINITY, darkness: 0.0, weight: 0.0 };
         let mut cells = vec![outside; side * side];
         let mut core = Vec::new();
-        Disc { middle, radius, stride: 1 }.visit(picture, |x, y, r2, level| {
-            let darkness = 1.0 - level / background.level(x, y);
+        Disc { middle, radius, stride: 1 }.visit_pixels(picture, |x, y, r2, level| {
+            let darkness = 1.0 - level / background.level_at(x, y);
             core.push(darkness);
             let [column, row] = [middle[0] + x - first[0], middle[1] + y - first[1]].map(|v| v.round() as usize);
             cells[row * side + column] = Cell { x, y, r2, darkness, weight: 0.0 };
         });
         let rank = core.len() - 1 - (CORE * core.len() as f64) as usize;
         let full = *core.select_nth_unstable_by(rank, f64::total_cmp).1;
-        let contrast = full * background.level(0.0, 0.0);
+        let contrast = full * background.level_at(0.0, 0.0);
         let cut = (NOISES * background.noise / contrast).clamp(CUT.0, CUT.1);
         let soft = Soft { full, cut };
-        cells.iter_mut().for_each(|cell| cell.weight = soft.weight(cell.darkness));
+        cells.iter_mut().for_each(|cell| cell.weight = soft.pixel_weight(cell.darkness));
         Self { middle, radius, side, cells, background, ring, contrast, soft }
     }
 
     /// The pixels of the spot nearest to the middle.
-    fn nearest(&self) -> Option<Vec<Cell>> {
+    fn nearest_spot(&self) -> Option<Vec<Cell>> {
         let seeds = (0..self.cells.len()).filter(|&i| self.cells[i].weight > 0.5);
         let seed = seeds.min_by(|&a, &b| self.cells[a].r2.total_cmp(&self.cells[b].r2))?;
-        Some(self.connected(seed))
+        Some(self.connected_cells(seed))
     }
 
     /// That spot's middle and what is known of it.
-    fn blob(&self) -> Option<Blob> {
-        let spot = self.nearest()?;
+    fn measured_blob(&self) -> Option<Blob> {
+        let spot = self.nearest_spot()?;
         let sum: f64 = spot.iter().map(|c| c.weight).sum();
         let mean = |value: fn(&Cell) -> f64| spot.iter().map(|c| c.weight * value(c)).sum::<f64>() / sum;
         let [x, y] = [mean(|c| c.x), mean(|c| c.y)];
@@ -198,12 +198,12 @@ impl Window {
         let inner = (self.radius - RIM).powi(2);
         let rim = |c: &&Cell| c.r2 > inner && c.r2.is_finite();
         let dark = spot.iter().filter(rim).filter(|c| c.weight > 0.5).count();
-        let whole = self.cells.iter().filter(rim).count();
+        let rim_cells = self.cells.iter().filter(rim).count();
         Some(Blob {
             at: [self.middle[0] + x, self.middle[1] + y],
             pull,
             contrast: self.contrast,
-            spread: dark as f64 / whole as f64,
+            spread: dark as f64 / rim_cells as f64,
             background: self.background,
             soft: self.soft,
             sum,
@@ -211,7 +211,7 @@ impl Window {
     }
 
     /// All cells of positive weight connected to `seed` by sides or corners, in reading order.
-    fn connected(&self, seed: usize) -> Vec<Cell> {
+    fn connected_cells(&self, seed: usize) -> Vec<Cell> {
         let mut taken = vec![false; self.cells.len()];
         let mut open = vec![seed];
         taken[seed] = true;
@@ -254,7 +254,7 @@ mod tests {
     fn a_disc_on_a_slope_of_light_is_centred_to_a_hundredth_of_a_pixel() {
         for k in 0..10 {
             let truth = [44.0 + 0.13 * f64::from(k), 39.0 + 0.29 * f64::from(k)];
-            let blob = find(&disc(truth), [47.0, 36.0], 18.0).unwrap();
+            let blob = find_blob(&disc(truth), [47.0, 36.0], 18.0).unwrap();
             let miss = (blob.at[0] - truth[0]).hypot(blob.at[1] - truth[1]);
             assert!(miss < 0.01, "{truth:?}: {miss}");
             assert!((blob.contrast - 0.7 * 204.0).abs() < 8.0 && blob.spread == 0.0);
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn an_even_background_contains_no_spot() {
-        let blob = find(&Gray::filled(90, 80, 200), [45.0, 40.0], 18.0);
+        let blob = find_blob(&Gray::filled(90, 80, 200), [45.0, 40.0], 18.0);
         assert!(blob.is_ok_and(|b| b.contrast < 1.0) || blob == Err(Miss::Empty));
     }
 }

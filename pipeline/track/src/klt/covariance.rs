@@ -37,9 +37,9 @@ pub(super) fn of_codec(blob: &Blob, quantiser: u8) -> f64 {
     let step = ((f64::from(quantiser) - 4.0) / 6.0).exp2() / blob.contrast;
     let (unsent, rounded) = ((DEAD * step).min(VECTOR), 0.5 * step);
     let share = unsent / VECTOR;
-    let rest = (share * unsent * unsent + (1.0 - share) * rounded * rounded) / 3.0;
+    let block_variance = (share * unsent * unsent + (1.0 - share) * rounded * rounded) / 3.0;
     let rim = 2.0 * (std::f64::consts::PI * blob.sum).sqrt();
-    rest / (rim / BLOCK).max(1.0)
+    block_variance / (rim / BLOCK).max(1.0)
 }
 
 /// A covariance with no variance under `least`: sectors see what differs from block to block, and never a shift of all alike.
@@ -60,10 +60,10 @@ pub(super) fn of_pixels(blob: &Blob) -> [[f64; 2]; 2] {
 /// Half the sum over pairs of q qᵀ: the template's own noise is in q as well.
 pub(super) fn of_sectors(picture: &Gray, blob: &Blob, template: &Template, turn: Radian) -> [[f64; 2]; 2] {
     let mut pulls = [[0.0; 2]; PAIRS];
-    let (off, turn) = (blob.off(), turn.sin_cos());
-    Disc { middle: blob.at, radius: template.radius(), stride: 1 }.visit(picture, |x, y, _, level| {
-        let now = blob.soft.weight(1.0 - level / blob.background.level(x + off[0], y + off[1]));
-        let then = blob.soft.weight(1.0 - template.share([x, y], turn));
+    let (off, turn) = (blob.centroid_shift(), turn.sin_cos());
+    Disc { middle: blob.at, radius: template.radius(), stride: 1 }.visit_pixels(picture, |x, y, _, level| {
+        let now = blob.soft.pixel_weight(1.0 - level / blob.background.level_at(x + off[0], y + off[1]));
+        let then = blob.soft.pixel_weight(1.0 - template.level_share([x, y], turn));
         if now != then {
             let half_turns = (y.atan2(x) / std::f64::consts::PI + 1.0).fract();
             let pull = &mut pulls[((half_turns * PAIRS as f64) as usize).min(PAIRS - 1)];

@@ -35,7 +35,7 @@ pub(super) struct Expected {
 
 impl TrackingError {
     /// What a frame shows of a marker that fails a gate.
-    pub(super) fn at(picture: &Gray, Expected { marker, frame, near }: Expected, why: FailedGate) -> Self {
+    pub(super) fn with_crop(picture: &Gray, Expected { marker, frame, near }: Expected, why: FailedGate) -> Self {
         let corner = near.map(|c| (c.round().max(0.0) as usize).saturating_sub(SHOWN));
         let side = if picture.check().is_ok() { 2 * SHOWN + 1 } else { 0 };
         let crop = picture.crop(corner[0], corner[1], side, side);

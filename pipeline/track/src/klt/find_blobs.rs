@@ -31,37 +31,37 @@ pub fn find_blobs(
     if picture.check().is_err() {
         return Vec::new();
     }
-    let sums = Sums::of(picture);
+    let sums = Sums::of_picture(picture);
     let step = (STRIDE * settings.radius).max(1.0);
-    let across = ((right - left) / step).max(0.0) as usize;
-    let down = ((bottom - top) / step).max(0.0) as usize;
-    let places = (0..=down).flat_map(|j| (0..=across).map(move |i| (i, j)));
-    let mut found: Vec<(Point2, f64)> = Vec::new();
-    for near in places.map(|(i, j)| [left + step * i as f64, top + step * j as f64]) {
-        if !picture.holds(near, settings.radius + 6.0)
-            || sums.darkness(near, settings.radius) < settings.contrast_limit / 3.0
+    let columns = ((right - left) / step).max(0.0) as usize;
+    let rows = ((bottom - top) / step).max(0.0) as usize;
+    let cells = (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j)));
+    let mut candidates: Vec<(Point2, f64)> = Vec::new();
+    for near in cells.map(|(i, j)| [left + step * i as f64, top + step * j as f64]) {
+        if !picture.holds_with_margin(near, settings.radius + 6.0)
+            || sums.core_darkness(near, settings.radius) < settings.contrast_limit / 3.0
         {
             continue;
         }
-        let least = FIRST_LOOK * settings.contrast_limit;
-        let Ok(blob) = blob::find_distinct(picture, near, settings.radius, least) else { continue };
+        let min_contrast = FIRST_LOOK * settings.contrast_limit;
+        let Ok(blob) = blob::find_distinct(picture, near, settings.radius, min_contrast) else { continue };
         let [x, y] = blob.at;
         let inside = (left..=right).contains(&x) && (top..=bottom).contains(&y);
-        let known = found.iter().any(|(at, _)| (at[0] - x).hypot(at[1] - y) < SAME);
-        if inside && !known && blob.contrast >= settings.contrast_limit && blob.spread <= RIM {
-            found.push((blob.at, blob.contrast / (1.0 + blob.background.noise)));
+        let is_duplicate = candidates.iter().any(|(point, _)| (point[0] - x).hypot(point[1] - y) < SAME);
+        if inside && !is_duplicate && blob.contrast >= settings.contrast_limit && blob.spread <= RIM {
+            candidates.push((blob.at, blob.contrast / (1.0 + blob.background.noise)));
         }
     }
-    found.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut kept: Vec<Point2> = Vec::new();
-    for (at, _) in found {
-        let apart = kept.iter().all(|k| (k[0] - at[0]).hypot(k[1] - at[1]) >= settings.radius);
-        if apart && kept.len() < count {
-            kept.push(at);
+    candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut accepted: Vec<Point2> = Vec::new();
+    for (point, _) in candidates {
+        let is_separate = accepted.iter().all(|k| (k[0] - point[0]).hypot(k[1] - point[1]) >= settings.radius);
+        if is_separate && accepted.len() < count {
+            accepted.push(point);
         }
     }
-    kept.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    kept
+    accepted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    accepted
 }
 
 /// Sums of a picture's levels over every rectangle from its corner.
@@ -71,7 +71,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(picture: &Gray) -> Self {
+    fn of_picture(picture: &Gray) -> Self {
         let width = picture.width + 1;
         let mut sums = vec![0; width * (picture.height + 1)];
         for y in 0..picture.height {
@@ -85,17 +85,17 @@ impl Sums {
     }
 
     /// Mean level of the square of half side `half` (px) around a place, which lies inside.
-    fn mean(&self, [x, y]: Point2, half: f64) -> f64 {
+    fn square_mean(&self, [x, y]: Point2, half: f64) -> f64 {
         let [left, right] = [x - half, x + half + 1.0].map(|v| v.round() as usize);
         let [top, bottom] = [y - half, y + half + 1.0].map(|v| v.round() as usize);
-        let at = |column: usize, row: usize| self.sums[row * self.width + column];
-        let sum = at(right, bottom) + at(left, top) - at(left, bottom) - at(right, top);
+        let sum_to = |column: usize, row: usize| self.sums[row * self.width + column];
+        let sum = sum_to(right, bottom) + sum_to(left, top) - sum_to(left, bottom) - sum_to(right, top);
         sum as f64 / ((right - left) * (bottom - top)) as f64
     }
 
     /// How much darker the core of a window is than the whole of it, grey levels.
-    fn darkness(&self, at: Point2, radius: f64) -> f64 {
-        self.mean(at, radius) - self.mean(at, CORE * radius)
+    fn core_darkness(&self, middle: Point2, radius: f64) -> f64 {
+        self.square_mean(middle, radius) - self.square_mean(middle, CORE * radius)
     }
 }
 
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn the_mean_around_a_place_is_that_of_its_square() {
         let picture = Gray::from_fn(40, 30, |x, y| 2.0 * x as f64 + 3.0 * y as f64);
-        assert!((Sums::of(&picture).mean([20.0, 12.0], 5.0) - 76.0).abs() < 1e-12);
+        assert!((Sums::of_picture(&picture).square_mean([20.0, 12.0], 5.0) - 76.0).abs() < 1e-12);
     }
 
     #[test]

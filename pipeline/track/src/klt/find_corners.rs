@@ -25,40 +25,44 @@ pub fn find_corners(picture: &Gray, region: [f64; 4], count: usize, settings: &S
     }
     let [left, top, right, bottom] = region;
     let inside = |[x, y]: Point2| (left..=right).contains(&x) && (top..=bottom).contains(&y);
-    let mut kept: Vec<Point2> = Vec::new();
-    for corner in strongest(picture, region) {
-        if kept.len() == count {
+    let mut markers: Vec<Point2> = Vec::new();
+    for corner in strongest_corners(picture, region) {
+        if markers.len() == count {
             break;
         }
-        let Ok(blob) = blob::find(picture, corner, settings.radius) else { continue };
+        let Ok(blob) = blob::find_blob(picture, corner, settings.radius) else { continue };
         let marker = blob.contrast >= settings.contrast_limit && blob.spread <= SPREAD_LIMIT && inside(blob.at);
-        let away = |from: &Point2| (from[0] - blob.at[0]).hypot(from[1] - blob.at[1]);
-        if marker && away(&corner) < settings.radius && kept.iter().all(|other| away(other) >= settings.radius) {
-            kept.push(blob.at);
+        let distance_from_blob = |from: &Point2| (from[0] - blob.at[0]).hypot(from[1] - blob.at[1]);
+        if marker
+            && distance_from_blob(&corner) < settings.radius
+            && markers.iter().all(|other| distance_from_blob(other) >= settings.radius)
+        {
+            markers.push(blob.at);
         }
     }
-    kept.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    kept
+    markers.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    markers
 }
 
 /// The corners of a region, px, strongest first.
-fn strongest(picture: &Gray, [left, top, right, bottom]: [f64; 4]) -> Vec<Point2> {
+fn strongest_corners(picture: &Gray, [left, top, right, bottom]: [f64; 4]) -> Vec<Point2> {
     let (from, above) = ((left - MARGIN).max(0.0) as usize, (top - MARGIN).max(0.0) as usize);
     let [wide, high] = [right + MARGIN - from as f64, bottom + MARGIN - above as f64].map(|v| v.max(0.0) as usize + 1);
     let part = picture.crop(from, above, wide, high);
-    let place = |i: usize| [(from + i % part.width) as f64, (above + i / part.width) as f64];
+    let pixel_of = |i: usize| [(from + i % part.width) as f64, (above + i / part.width) as f64];
     let inside = |[x, y]: Point2| (left..=right).contains(&x) && (top..=bottom).contains(&y);
-    let all = response(&part).unwrap_or_default().into_iter().enumerate();
-    let mut all: Vec<(f32, Point2)> = all.map(|(i, strength)| (strength, place(i))).filter(|c| inside(c.1)).collect();
-    let most = all.iter().map(|corner| corner.0).fold(0.0, f32::max);
-    all.retain(|(strength, _)| *strength > QUALITY * most);
+    let corners = corner_response(&part).unwrap_or_default().into_iter().enumerate();
+    let mut corners: Vec<(f32, Point2)> =
+        corners.map(|(i, strength)| (strength, pixel_of(i))).filter(|c| inside(c.1)).collect();
+    let greatest = corners.iter().map(|corner| corner.0).fold(0.0, f32::max);
+    corners.retain(|(strength, _)| *strength > QUALITY * greatest);
     // a stable sort: equal corners stay in reading order
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    all.into_iter().map(|corner| corner.1).collect()
+    corners.sort_by(|a, b| b.0.total_cmp(&a.0));
+    corners.into_iter().map(|corner| corner.1).collect()
 }
 
 /// The lesser eigenvalue of the structure tensor where it is largest among its neighbours, else 0: pixels.
-fn response(part: &Gray) -> Option<Vec<f32>> {
+fn corner_response(part: &Gray) -> Option<Vec<f32>> {
     let size = ImageSize { width: part.width, height: part.height };
     let levels = part.pixels.iter().map(|&p| f32::from(p) / 255.0).collect();
     let image = Image::<f32, 1>::new(size, levels).ok()?;

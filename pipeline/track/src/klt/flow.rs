@@ -29,23 +29,24 @@ pub(super) struct Flow<'a> {
 }
 
 impl Flow<'_> {
-    /// Where the place `at` of the frame before lies in the frame after, near `guess` (all px). None when flow gives no answer.
-    pub(super) fn follow(&self, at: Point2, guess: Point2) -> Option<Point2> {
-        let by = reduction(self.radius);
-        let (from, onto) = (Crop::of(self.before, at, by), Crop::of(self.after, guess, by));
-        let images = (from.image(self.before)?, onto.image(self.after)?);
+    /// Where the place `start` of the frame before lies in the frame after, near `guess` (all px). None when flow gives no answer.
+    pub(super) fn follow_point(&self, start: Point2, guess: Point2) -> Option<Point2> {
+        let block = reduction_factor(self.radius);
+        let (from, onto) =
+            (Crop::around_point(self.before, start, block), Crop::around_point(self.after, guess, block));
+        let images = (from.reduced_image(self.before)?, onto.reduced_image(self.after)?);
         let params = PyrLKParams { max_level: LEVELS, use_initial_flow: true, ..PyrLKParams::default() };
         let pyramids = build_lk_precomputed(&images.0, &images.1, LEVELS).ok()?;
-        let starts = (&[from.inside(at)], &[onto.inside(guess)]);
+        let starts = (&[from.to_crop(start)], &[onto.to_crop(guess)]);
         let flow = calc_optical_flow_pyr_lk_with_precomputed(&pyramids, starts.0, Some(starts.1), &params).ok()?;
-        let found = flow.next_pts.first().filter(|_| flow.status.first() == Some(&1))?;
-        let place = onto.outside(*found);
-        place.iter().all(|v| v.is_finite()).then_some(place)
+        let tracked = flow.next_pts.first().filter(|_| flow.status.first() == Some(&1))?;
+        let point = onto.to_picture(*tracked);
+        point.iter().all(|v| v.is_finite()).then_some(point)
     }
 }
 
 /// Pixels a side that are averaged to one.
-fn reduction(radius: f64) -> usize {
+fn reduction_factor(radius: f64) -> usize {
     (radius / USUAL).ceil().max(1.0) as usize
 }
 
@@ -57,13 +58,13 @@ struct Crop {
 }
 
 impl Crop {
-    fn of(picture: &Gray, at: Point2, by: usize) -> Self {
-        let (half, side) = ((HALF * by + by / 2) as f64, (2 * HALF + 1) * by);
+    fn around_point(picture: &Gray, middle: Point2, block: usize) -> Self {
+        let (half, side) = ((HALF * block + block / 2) as f64, (2 * HALF + 1) * block);
         let first = |c: f64, size: usize| ((c.round() - half).max(0.0) as usize).min(size.saturating_sub(side));
-        Self { corner: [first(at[0], picture.width), first(at[1], picture.height)], side, by }
+        Self { corner: [first(middle[0], picture.width), first(middle[1], picture.height)], side, by: block }
     }
 
-    fn image(&self, picture: &Gray) -> Option<Image<f32, 1>> {
+    fn reduced_image(&self, picture: &Gray) -> Option<Image<f32, 1>> {
         let region = picture.crop(self.corner[0], self.corner[1], self.side, self.side);
         let size = ImageSize { width: region.width / self.by, height: region.height / self.by };
         let scale = 255.0 * (self.by * self.by) as f32;
@@ -76,12 +77,12 @@ impl Crop {
     }
 
     /// A place of the picture in the crop: the centre of its first pixel is 0, 0.
-    fn inside(&self, p: Point2) -> [f32; 2] {
+    fn to_crop(&self, p: Point2) -> [f32; 2] {
         let shift = 0.5 * (self.by as f64 - 1.0);
         [0, 1].map(|k| ((p[k] - self.corner[k] as f64 - shift) / self.by as f64) as f32)
     }
 
-    fn outside(&self, p: [f32; 2]) -> Point2 {
+    fn to_picture(&self, p: [f32; 2]) -> Point2 {
         let shift = 0.5 * (self.by as f64 - 1.0);
         [0, 1].map(|k| f64::from(p[k]) * self.by as f64 + shift + self.corner[k] as f64)
     }
@@ -116,12 +117,12 @@ mod tests {
     fn a_place_is_the_same_inside_and_outside_of_a_reduced_crop() {
         let picture = Gray::filled(400, 300, 9);
         for by in [1, 2, 3] {
-            let crop = Crop::of(&picture, [200.3, 150.7], by);
-            let there = crop.outside(crop.inside([210.25, 140.5]));
+            let crop = Crop::around_point(&picture, [200.3, 150.7], by);
+            let there = crop.to_picture(crop.to_crop([210.25, 140.5]));
             assert!((there[0] - 210.25).abs() < 1e-4 && (there[1] - 140.5).abs() < 1e-4, "{by}: {there:?}");
-            assert_eq!(crop.image(&picture).map(|image| image.size().width), Some(2 * HALF + 1));
+            assert_eq!(crop.reduced_image(&picture).map(|image| image.size().width), Some(2 * HALF + 1));
         }
-        assert_eq!([18.0, 24.0, 36.0, 60.0].map(reduction), [1, 1, 2, 3]);
+        assert_eq!([18.0, 24.0, 36.0, 60.0].map(reduction_factor), [1, 1, 2, 3]);
     }
 
     #[test]

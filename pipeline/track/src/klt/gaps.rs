@@ -8,23 +8,23 @@ use si::Point2;
 /// How far a marker may leave that cubic in n frames grows with its acceleration: a n₁ n₂ / 2 with n₁, n₂ frames to either side
 /// and a the root mean square of the second differences of what was seen, and no less than the covariance of the observations.
 pub fn fill_gaps(track: &mut [Observation]) {
-    let bend = acceleration(track);
+    let bend = rms_acceleration(track);
     let mut frame = 0;
     while frame < track.len() {
         if track[frame].seen {
             frame += 1;
             continue;
         }
-        let after = (frame..track.len()).find(|k| track[*k].seen);
-        if let (Some(before), Some(after)) = (frame.checked_sub(1), after) {
-            bridge(track, before, after, bend);
+        let next_seen = (frame..track.len()).find(|k| track[*k].seen);
+        if let (Some(last_seen), Some(next_seen)) = (frame.checked_sub(1), next_seen) {
+            bridge_gap(track, last_seen, next_seen, bend);
         }
-        frame = after.unwrap_or(track.len());
+        frame = next_seen.unwrap_or(track.len());
     }
 }
 
 /// Root mean square of second differences along each axis, px a frame².
-fn acceleration(track: &[Observation]) -> Point2 {
+fn rms_acceleration(track: &[Observation]) -> Point2 {
     let (mut sum, mut count) = ([0.0; 2], 0.0_f64);
     for three in track.windows(3).filter(|three| three.iter().all(|s| s.seen)) {
         [0, 1].iter().for_each(|&k| sum[k] += (three[0].at[k] - 2.0 * three[1].at[k] + three[2].at[k]).powi(2));
@@ -33,7 +33,7 @@ fn acceleration(track: &[Observation]) -> Point2 {
     sum.map(|s| (s / count.max(1.0)).sqrt())
 }
 
-fn bridge(track: &mut [Observation], before: usize, after: usize, bend: Point2) {
+fn bridge_gap(track: &mut [Observation], before: usize, after: usize, bend: Point2) {
     let (start, end) = (track[before], track[after]);
     let seen = |k: Option<usize>| k.and_then(|k| track.get(k)).filter(|s| s.seen).map(|s| s.at);
     let length = (after - before) as f64;
@@ -43,16 +43,16 @@ fn bridge(track: &mut [Observation], before: usize, after: usize, bend: Point2) 
     };
     let leaves = speed(start.at, seen(before.checked_sub(1)), 1.0);
     let arrives = speed(end.at, seen(Some(after + 1)), -1.0);
-    for (n, here) in track[before + 1..after].iter_mut().enumerate() {
-        let from = (n + 1) as f64;
-        let s = from / length;
-        here.at = [0, 1].map(|k| {
+    for (n, filled) in track[before + 1..after].iter_mut().enumerate() {
+        let frames_since = (n + 1) as f64;
+        let s = frames_since / length;
+        filled.at = [0, 1].map(|k| {
             let (a, b) = (length * (leaves[k] - mean[k]), length * (mean[k] - arrives[k]));
             start.at[k] + s * (end.at[k] - start.at[k]) + s * (1.0 - s) * (a * (1.0 - s) + b * s)
         });
-        let doubt = bend.map(|a| (0.5 * a * from * (length - from)).powi(2));
+        let variance = bend.map(|a| (0.5 * a * frames_since * (length - frames_since)).powi(2));
         let [[xx, xy], [yx, yy]] = end.covariance;
-        here.covariance = [[xx + doubt[0], xy], [yx, yy + doubt[1]]];
+        filled.covariance = [[xx + variance[0], xy], [yx, yy + variance[1]]];
     }
 }
 

@@ -39,59 +39,61 @@ impl Tracker {
     /// Corrects what was found of each marker by itself, in place, where it may belong to another or was not found.
     pub(super) fn match_jointly(&self, picture: &Gray, frame: usize, found: &mut [Result<Accepted, TrackingError>]) {
         let markers: Vec<usize> = (0..found.len()).filter(|k| self.tracks[*k].hidden.is_none()).collect();
-        let before: Vec<Point2> = markers.iter().map(|k| self.tracks[*k].at).collect();
-        let tree = SpanningTree::shortest(&before);
+        let previous_places: Vec<Point2> = markers.iter().map(|k| self.tracks[*k].at).collect();
+        let tree = SpanningTree::of_least_length(&previous_places);
         if markers.len() < 2 || !self.is_doubtful(&markers, &tree, found) {
             return;
         }
-        let matching = Matching::of(self, picture, markers, found);
-        let chosen = tree.assign(&matching);
+        let matching = Matching::of_markers(self, picture, markers, found);
+        let chosen = tree.cheapest_assignment(&matching);
         for (k, &marker) in matching.markers.iter().enumerate() {
             let spot = chosen[k].map(|spot| matching.spots[spot]);
             let alone = found[marker].as_ref().ok().map(|s| s.observation.at);
             let again = match (spot, alone) {
                 (Some(spot), Some(alone)) if distance(spot, alone) < SAME => continue,
                 (Some(spot), _) => self.locate_about(picture, &self.tracks[marker], spot, spot),
-                (None, Some(alone)) => match matching.owner(&chosen, alone) {
+                (None, Some(alone)) => match matching.marker_at(&chosen, alone) {
                     Some(other) => Err(FailedGate::Merged { other, measured: 0.0, limit: self.settings.radius }),
                     None => continue,
                 },
                 (None, None) => continue,
             };
-            let near = self.tracks[marker].expected();
-            found[marker] = again.map_err(|why| TrackingError::at(picture, Expected { marker, frame, near }, why));
+            let near = self.tracks[marker].expected_place();
+            found[marker] =
+                again.map_err(|why| TrackingError::with_crop(picture, Expected { marker, frame, near }, why));
         }
         self.check_separation(picture, frame, found);
         self.check_neighbours(picture, frame, found);
     }
 
     /// Where a marker is if it moves on, and if it stays: a release begins at rest, and what swings turns round.
-    fn guesses(&self, marker: usize) -> [Point2; 2] {
-        [self.tracks[marker].expected(), self.tracks[marker].at]
+    fn position_guesses(&self, marker: usize) -> [Point2; 2] {
+        [self.tracks[marker].expected_place(), self.tracks[marker].at]
     }
 
     /// Left, top, right and bottom (px) of where markers may be.
-    fn region(&self, markers: &[usize]) -> [f64; 4] {
+    fn search_region(&self, markers: &[usize]) -> [f64; 4] {
         let reach = REACH * self.settings.jump_limit;
-        let of = |axis: usize| markers.iter().flat_map(|k| self.guesses(*k)).map(move |near| near[axis]);
-        let low = |axis: usize| of(axis).fold(f64::INFINITY, f64::min) - reach;
-        let high = |axis: usize| of(axis).fold(f64::NEG_INFINITY, f64::max) + reach;
+        let coordinates =
+            |axis: usize| markers.iter().flat_map(|k| self.position_guesses(*k)).map(move |near| near[axis]);
+        let low = |axis: usize| coordinates(axis).fold(f64::INFINITY, f64::min) - reach;
+        let high = |axis: usize| coordinates(axis).fold(f64::NEG_INFINITY, f64::max) + reach;
         [low(0), low(1), high(0), high(1)]
     }
 
     /// Whether a marker was not found, or two neighbours may have been exchanged.
     fn is_doubtful(&self, markers: &[usize], tree: &SpanningTree, found: &[Result<Accepted, TrackingError>]) -> bool {
-        let at = |part: usize| found[markers[part]].as_ref().ok().map(|s| s.observation.at);
-        let bent = |pair: [usize; 2]| match pair.map(at) {
-            [Some(a), Some(b)] => self.bending(pair.map(|part| markers[part]), [a, b]) > DOUBTFUL,
+        let spot_of = |part: usize| found[markers[part]].as_ref().ok().map(|s| s.observation.at);
+        let bent = |pair: [usize; 2]| match pair.map(spot_of) {
+            [Some(a), Some(b)] => self.pair_bending(pair.map(|part| markers[part]), [a, b]) > DOUBTFUL,
             _ => true,
         };
-        tree.pairs().any(bent)
+        tree.joined_pairs().any(bent)
     }
 
     /// Turn (rad) and change of length (as a share of its limit) of the line between two markers that are `now` there, squared;
     /// infinite where a limit is exceeded.
-    fn bending(&self, markers: [usize; 2], now: [Point2; 2]) -> f64 {
+    fn pair_bending(&self, markers: [usize; 2], now: [Point2; 2]) -> f64 {
         let line = |[a, b]: [Point2; 2]| [a[0] - b[0], a[1] - b[1]];
         let (before, now) = (line(markers.map(|k| self.tracks[k].at)), line(now));
         let [long, longer] = [before, now].map(|l| l[0].hypot(l[1]));
@@ -105,7 +107,7 @@ impl Tracker {
 }
 
 impl<'a> Matching<'a> {
-    fn of(
+    fn of_markers(
         tracker: &'a Tracker,
         picture: &Gray,
         markers: Vec<usize>,
@@ -114,38 +116,41 @@ impl<'a> Matching<'a> {
         let mut spots: Vec<Point2> = found.iter().flatten().map(|s| s.observation.at).collect();
         // where all were found, only an exchange is in question
         if markers.iter().any(|k| found[*k].is_err()) {
-            let known = spots.clone();
-            let others = find_blobs(picture, tracker.region(&markers), usize::MAX, &tracker.settings).into_iter();
-            spots.extend(others.filter(|spot| known.iter().all(|known| distance(*known, *spot) >= SAME)));
+            let own_spots = spots.clone();
+            let candidates =
+                find_blobs(picture, tracker.search_region(&markers), usize::MAX, &tracker.settings).into_iter();
+            spots.extend(
+                candidates.filter(|spot| own_spots.iter().all(|own_spots| distance(*own_spots, *spot) >= SAME)),
+            );
         }
         let residual = |marker: &usize, spot: &Point2| {
             let track = &tracker.tracks[*marker];
-            let blob = tracker.spot(picture, *spot);
-            blob.map_or(f64::INFINITY, |blob| track.template.compare(picture, &blob, track.turn).mean)
+            let blob = tracker.find_spot(picture, *spot);
+            blob.map_or(f64::INFINITY, |blob| track.template.compare_spot(picture, &blob, track.turn).mean)
         };
         let residuals = markers.iter().map(|k| spots.iter().map(|spot| residual(k, spot)).collect()).collect();
         Self { tracker, markers, spots, residuals }
     }
 
     /// The marker that is assigned to a spot.
-    fn owner(&self, chosen: &[Option<usize>], at: Point2) -> Option<usize> {
+    fn marker_at(&self, chosen: &[Option<usize>], at: Point2) -> Option<usize> {
         let owns = |spot: &Option<usize>| spot.is_some_and(|spot| distance(self.spots[spot], at) < SAME);
         chosen.iter().position(owns).map(|k| self.markers[k])
     }
 }
 
 impl Cost for Matching<'_> {
-    fn places(&self) -> usize {
+    fn place_count(&self) -> usize {
         self.spots.len()
     }
 
     /// Departure from the prediction and difference from the first view, squared, as shares of their limits.
     ///
     /// The departures are averaged over the markers: where prediction fails, it fails for all of them together.
-    fn part(&self, part: usize, place: Option<usize>) -> f64 {
+    fn part_cost(&self, part: usize, place: Option<usize>) -> f64 {
         let Some(place) = place else { return MISSING };
         let set = &self.tracker.settings;
-        let guesses = self.tracker.guesses(self.markers[part]);
+        let guesses = self.tracker.position_guesses(self.markers[part]);
         let [moved, stayed] = guesses.map(|near| distance(self.spots[place], near) / set.jump_limit);
         let departure = moved.min(stayed);
         let residual = self.residuals[part][place] / set.residual_limit;
@@ -155,8 +160,8 @@ impl Cost for Matching<'_> {
         departure * departure / self.markers.len() as f64 + residual * residual
     }
 
-    fn pair(&self, parts: [usize; 2], places: [usize; 2]) -> f64 {
-        self.tracker.bending(parts.map(|part| self.markers[part]), places.map(|place| self.spots[place]))
+    fn pair_cost(&self, parts: [usize; 2], places: [usize; 2]) -> f64 {
+        self.tracker.pair_bending(parts.map(|part| self.markers[part]), places.map(|place| self.spots[place]))
     }
 }
 
@@ -183,7 +188,9 @@ mod tests {
     fn found(tracker: &Tracker, picture: &Gray, at: [Point2; 3]) -> Vec<Result<Accepted, TrackingError>> {
         let one = |k: usize| {
             let expected = Expected { marker: k, frame: 1, near: at[k] };
-            tracker.locate(picture, &tracker.tracks[k], at[k]).map_err(|why| TrackingError::at(picture, expected, why))
+            tracker
+                .locate_marker(picture, &tracker.tracks[k], at[k])
+                .map_err(|why| TrackingError::with_crop(picture, expected, why))
         };
         (0..3).map(one).collect()
     }
@@ -198,7 +205,7 @@ mod tests {
         for exchanged in [[0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0]] {
             let mut found = found(&tracker, &picture, exchanged.map(|k| CLICKED[k]));
             found.iter_mut().zip(exchanged).for_each(|(f, k)| {
-                let seen = tracker.locate(&picture, &tracker.tracks[k], CLICKED[k]).unwrap();
+                let seen = tracker.locate_marker(&picture, &tracker.tracks[k], CLICKED[k]).unwrap();
                 *f = Ok(seen);
             });
             tracker.match_jointly(&picture, 1, &mut found);
@@ -243,7 +250,7 @@ mod tests {
         let tracker = tracker();
         let line = |length: f64, turn: f64| {
             let end = [50.0 + length * turn.cos(), 50.0 + length * turn.sin()];
-            tracker.bending([1, 0], [end, [50.0, 50.0]])
+            tracker.pair_bending([1, 0], [end, [50.0, 50.0]])
         };
         assert!(line(42.0, 0.0) < 1e-6);
         assert!((line(42.0, 0.8) - 0.64).abs() < 1e-3 && (line(42.0, -0.8) - 0.64).abs() < 1e-3);

@@ -23,14 +23,14 @@ mod spanning_tree;
 mod template;
 
 use crate::Gray;
-pub use blob::clutter;
+pub use blob::clutter_share;
 use error::Expected;
 pub use error::{FailedGate, TrackingError};
 pub use find_blobs::find_blobs;
 pub use find_corners::find_corners;
 use flow::SingleThread;
 pub use gaps::fill_gaps;
-use gates::sum;
+use gates::matrix_sum;
 pub use settings::Settings;
 use si::{Point2, Radian};
 use template::Template;
@@ -90,27 +90,27 @@ impl Tracker {
         let expected = Expected { marker: 0, frame: 0, near: clicked.first().copied().unwrap_or_default() };
         if !(settings.radius >= LEAST_RADIUS && settings.radius.is_finite()) {
             let why = FailedGate::SmallWindow { measured: settings.radius, limit: LEAST_RADIUS };
-            return Err(TrackingError::at(first, expected, why));
+            return Err(TrackingError::with_crop(first, expected, why));
         }
-        whole(first, expected)?;
+        check_levels(first, expected)?;
         let (tracks, observations, single_thread) = (Vec::new(), Vec::new(), SingleThread::new());
         let mut new = Self { settings, before: first.clone(), frame: 0, tracks, observations, single_thread };
         for (marker, &near) in clicked.iter().enumerate() {
-            let error = |why| TrackingError::at(first, Expected { marker, frame: 0, near }, why);
-            let blob = new.spot(first, near).map_err(error)?;
+            let error = |why| TrackingError::with_crop(first, Expected { marker, frame: 0, near }, why);
+            let blob = new.find_spot(first, near).map_err(error)?;
             let away = distance(blob.at, near);
             if away > settings.click_radius {
                 return Err(error(FailedGate::FarFromClick { measured: away, limit: settings.click_radius }));
             }
-            let template = Template::cut(first, &blob, settings.radius);
+            let template = Template::cut_window(first, &blob, settings.radius);
             let coded = covariance::at_least([[0.0; 2]; 2], covariance::of_codec(&blob, settings.quantiser));
-            let covariance = sum(coded, covariance::of_pixels(&blob));
+            let covariance = matrix_sum(coded, covariance::of_pixels(&blob));
             let observation = Observation { at: blob.at, covariance, residual: 0.0, seen: true };
             let (at, step, hidden) = (blob.at, [0.0; 2], None);
             new.tracks.push(Track { template, at, step, turn: 0.0, by_sectors: None, hidden });
             new.observations.push(observation);
         }
-        new.apart()?;
+        new.check_tracks_apart()?;
         Ok(new)
     }
 
@@ -125,15 +125,18 @@ impl Tracker {
     /// [`TrackingError`] when the picture lacks grey levels, or a marker fails a gate for longer than the settings are patient, with the first frame in which it did.
     pub fn step(&mut self, picture: &Gray) -> Result<Vec<Observation>, TrackingError> {
         let frame = self.frame + 1;
-        whole(picture, Expected { marker: 0, frame, near: self.tracks.first().map_or([0.0; 2], Track::expected) })?;
-        let mut found = self.single_thread.run(|| self.look(picture, frame));
-        self.check_separation(picture, frame, &mut found);
-        self.check_neighbours(picture, frame, &mut found);
-        self.relocate(picture, &mut found);
-        self.match_jointly(picture, frame, &mut found);
-        self.reacquire_hidden(picture, frame, &mut found);
-        for (track, found) in self.tracks.iter().zip(&found) {
-            let Err(error) = found else { continue };
+        check_levels(
+            picture,
+            Expected { marker: 0, frame, near: self.tracks.first().map_or([0.0; 2], Track::expected_place) },
+        )?;
+        let mut results = self.single_thread.run(|| self.measure_markers(picture, frame));
+        self.check_separation(picture, frame, &mut results);
+        self.check_neighbours(picture, frame, &mut results);
+        self.relocate(picture, &mut results);
+        self.match_jointly(picture, frame, &mut results);
+        self.reacquire_hidden(picture, frame, &mut results);
+        for (track, results) in self.tracks.iter().zip(&results) {
+            let Err(error) = results else { continue };
             let since = track.hidden.as_ref().unwrap_or(error);
             if frame - since.frame >= self.settings.patience {
                 return Err(since.clone());
@@ -141,18 +144,20 @@ impl Tracker {
         }
         self.frame = frame;
         let pairs = self.tracks.iter_mut().zip(&mut self.observations);
-        pairs.zip(found).for_each(|((track, observation), found)| track.take(frame, found, observation));
+        pairs
+            .zip(results)
+            .for_each(|((track, observation), results)| track.take_observation(frame, results, observation));
         self.before.clone_from(picture);
-        self.apart()?;
+        self.check_tracks_apart()?;
         Ok(self.observations.clone())
     }
 
     /// Every marker by itself, past its own gates; the error of one that is hidden already.
-    fn look(&self, picture: &Gray, frame: usize) -> Vec<Result<Accepted, TrackingError>> {
+    fn measure_markers(&self, picture: &Gray, frame: usize) -> Vec<Result<Accepted, TrackingError>> {
         let look = |(marker, track): (usize, &Track)| {
-            let near = track.expected();
-            let error = |why| TrackingError::at(picture, Expected { marker, frame, near }, why);
-            track.hidden.clone().map_or_else(|| self.locate(picture, track, near).map_err(error), Err)
+            let near = track.expected_place();
+            let error = |why| TrackingError::with_crop(picture, Expected { marker, frame, near }, why);
+            track.hidden.clone().map_or_else(|| self.locate_marker(picture, track, near).map_err(error), Err)
         };
         self.tracks.iter().enumerate().map(look).collect()
     }
@@ -168,18 +173,23 @@ impl Tracker {
 
 impl Track {
     /// Where it is expected in the next frame, px.
-    fn expected(&self) -> Point2 {
+    fn expected_place(&self) -> Point2 {
         [self.at[0] + self.step[0], self.at[1] + self.step[1]]
     }
 
     /// Takes in what a frame showed of it.
-    fn take(&mut self, frame: usize, found: Result<Accepted, TrackingError>, observation: &mut Observation) {
+    fn take_observation(
+        &mut self,
+        frame: usize,
+        found: Result<Accepted, TrackingError>,
+        observation: &mut Observation,
+    ) {
         match found {
             Ok(seen) => {
-                let at = seen.observation.at;
+                let point = seen.observation.at;
                 let frames = self.hidden.take().map_or(1, |since| frame - since.frame + 1) as f64;
-                self.step = [0, 1].map(|k| (at[k] - self.at[k]) / frames);
-                (self.at, self.turn, self.by_sectors) = (at, seen.turn, Some(seen.by_sectors));
+                self.step = [0, 1].map(|k| (point[k] - self.at[k]) / frames);
+                (self.at, self.turn, self.by_sectors) = (point, seen.turn, Some(seen.by_sectors));
                 *observation = seen.observation;
             }
             Err(error) => {
@@ -192,9 +202,9 @@ impl Track {
 
 /// # Errors
 /// [`TrackingError`] when a picture lacks grey levels.
-fn whole(picture: &Gray, expected: Expected) -> Result<(), TrackingError> {
+fn check_levels(picture: &Gray, expected: Expected) -> Result<(), TrackingError> {
     let (width, height, levels) = (picture.width, picture.height, picture.pixels.len());
-    let error = |_| TrackingError::at(picture, expected, FailedGate::Levels { levels, width, height });
+    let error = |_| TrackingError::with_crop(picture, expected, FailedGate::Levels { levels, width, height });
     picture.check().map_err(error)
 }
 

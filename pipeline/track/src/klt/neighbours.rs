@@ -21,12 +21,12 @@ impl Tracker {
                 let (Ok(a), Ok(b)) = (&found[one], &found[other]) else { continue };
                 let measured = distance(a.observation.at, b.observation.at);
                 if measured < limit {
-                    let prediction_error = |k: usize, at: Point2| distance(at, self.tracks[k].expected());
+                    let prediction_error = |k: usize, at: Point2| distance(at, self.tracks[k].expected_place());
                     let farther = prediction_error(one, a.observation.at) >= prediction_error(other, b.observation.at);
                     let (marker, other) = if farther { (one, other) } else { (other, one) };
                     let why = FailedGate::Merged { other, measured, limit };
                     let expected = Expected { marker, frame, near: self.tracks[marker].at };
-                    found[marker] = Err(TrackingError::at(picture, expected, why));
+                    found[marker] = Err(TrackingError::with_crop(picture, expected, why));
                 }
             }
         }
@@ -35,41 +35,45 @@ impl Tracker {
     /// Neighbour-distance gate: of two neighbours whose distance changes too much, the one farther from its prediction is rejected.
     pub(super) fn check_neighbours(&self, picture: &Gray, frame: usize, found: &mut [Result<Accepted, TrackingError>]) {
         while let Some((one, other, measured)) = self.largest_change(found) {
-            let prediction_error =
-                |k: usize| found[k].as_ref().map_or(0.0, |s| distance(s.observation.at, self.tracks[k].expected()));
+            let prediction_error = |k: usize| {
+                found[k].as_ref().map_or(0.0, |s| distance(s.observation.at, self.tracks[k].expected_place()))
+            };
             let (marker, other) =
                 if prediction_error(one) >= prediction_error(other) { (one, other) } else { (other, one) };
             let why = FailedGate::NeighbourDistance { other, measured, limit: self.settings.neighbour_distance_limit };
             let expected = Expected { marker, frame, near: self.tracks[marker].at };
-            found[marker] = Err(TrackingError::at(picture, expected, why));
+            found[marker] = Err(TrackingError::with_crop(picture, expected, why));
         }
     }
 
     /// The two neighbours whose distance changed most since the frame before, and by which share, where that is too much.
     fn largest_change(&self, found: &[Result<Accepted, TrackingError>]) -> Option<(usize, usize, f64)> {
-        let at = |k: usize| found[k].as_ref().ok().map(|s| s.observation.at);
-        let each = (0..found.len()).filter_map(|one| Some((one, at(one)?)));
-        let pairs = each.flat_map(|(one, there)| {
-            let near = self.neighbours(one).into_iter().filter_map(move |other| Some((other, at(other)?)));
-            near.filter_map(move |(other, place)| Some((one, other, self.change([one, other], [there, place])?)))
+        let spot_of = |k: usize| found[k].as_ref().ok().map(|s| s.observation.at);
+        let each = (0..found.len()).filter_map(|one| Some((one, spot_of(one)?)));
+        let pairs = each.flat_map(|(one, spot)| {
+            let neighbour_spots =
+                self.nearest_neighbours(one).into_iter().filter_map(move |other| Some((other, spot_of(other)?)));
+            neighbour_spots.filter_map(move |(other, neighbour_spot)| {
+                Some((one, other, self.distance_change([one, other], [spot, neighbour_spot])?))
+            })
         });
         pairs.filter(|pair| pair.2 > self.settings.neighbour_distance_limit).max_by(|a, b| a.2.total_cmp(&b.2))
     }
 
     /// By which share the distance of two markers changed since the frame before; `None` when one was hidden then.
-    fn change(&self, [one, other]: [usize; 2], now: [Point2; 2]) -> Option<f64> {
+    fn distance_change(&self, [one, other]: [usize; 2], now: [Point2; 2]) -> Option<f64> {
         let (one, other) = (&self.tracks[one], &self.tracks[other]);
-        let known = one.hidden.is_none() && other.hidden.is_none();
-        known.then(|| (distance(now[0], now[1]) / distance(one.at, other.at) - 1.0).abs())
+        let both_seen = one.hidden.is_none() && other.hidden.is_none();
+        both_seen.then(|| (distance(now[0], now[1]) / distance(one.at, other.at) - 1.0).abs())
     }
 
     /// The markers nearest to one, nearest first.
-    fn neighbours(&self, marker: usize) -> Vec<usize> {
-        let away = |k: &usize| distance(self.tracks[*k].at, self.tracks[marker].at);
-        let mut others: Vec<usize> = (0..self.tracks.len()).filter(|k| *k != marker).collect();
-        others.sort_by(|a, b| away(a).total_cmp(&away(b)));
-        others.truncate(NEAREST);
-        others
+    fn nearest_neighbours(&self, marker: usize) -> Vec<usize> {
+        let distance_from = |k: &usize| distance(self.tracks[*k].at, self.tracks[marker].at);
+        let mut candidates: Vec<usize> = (0..self.tracks.len()).filter(|k| *k != marker).collect();
+        candidates.sort_by(|a, b| distance_from(a).total_cmp(&distance_from(b)));
+        candidates.truncate(NEAREST);
+        candidates
     }
 
     /// Measures rejected markers again where they are if they moved and rotated rigidly with their neighbours.
@@ -81,17 +85,18 @@ impl Tracker {
             if found[marker].is_ok() || track.hidden.is_some() {
                 continue;
             }
-            let seen = found.iter().zip(&self.tracks).filter_map(|(f, t)| Some((f.as_ref().ok()?.observation.at, t)));
-            let mut seen: Vec<(Point2, &Track)> = seen.filter(|(_, t)| t.hidden.is_none()).collect();
-            seen.sort_by(|a, b| distance(a.1.at, track.at).total_cmp(&distance(b.1.at, track.at)));
-            let Some(guess) = rigid_guess(track, &seen) else { continue };
-            let Ok(again) = self.locate(picture, track, guess) else { continue };
-            let place = again.observation.at;
-            let free = seen.iter().all(|(at, _)| distance(*at, place) >= self.settings.radius);
-            let near = self.neighbours(marker).into_iter();
-            let mut near =
-                near.filter_map(|k| self.change([marker, k], [place, found[k].as_ref().ok()?.observation.at]));
-            if free && near.all(|change| change <= self.settings.neighbour_distance_limit) {
+            let visible =
+                found.iter().zip(&self.tracks).filter_map(|(f, t)| Some((f.as_ref().ok()?.observation.at, t)));
+            let mut visible: Vec<(Point2, &Track)> = visible.filter(|(_, t)| t.hidden.is_none()).collect();
+            visible.sort_by(|a, b| distance(a.1.at, track.at).total_cmp(&distance(b.1.at, track.at)));
+            let Some(guess) = rigid_guess(track, &visible) else { continue };
+            let Ok(again) = self.locate_marker(picture, track, guess) else { continue };
+            let new_point = again.observation.at;
+            let is_free = visible.iter().all(|(at, _)| distance(*at, new_point) >= self.settings.radius);
+            let neighbours = self.nearest_neighbours(marker).into_iter();
+            let mut neighbours = neighbours
+                .filter_map(|k| self.distance_change([marker, k], [new_point, found[k].as_ref().ok()?.observation.at]));
+            if is_free && neighbours.all(|change| change <= self.settings.neighbour_distance_limit) {
                 found[marker] = Ok(again);
             }
         }
@@ -103,28 +108,28 @@ impl Tracker {
     pub(super) fn reacquire_hidden(&self, picture: &Gray, frame: usize, found: &mut [Result<Accepted, TrackingError>]) {
         for (marker, track) in self.tracks.iter().enumerate() {
             let Some(since) = &track.hidden else { continue };
-            let place = |(seen, other): (&Result<Accepted, TrackingError>, &Track)| match seen {
+            let known_point = |(seen, other): (&Result<Accepted, TrackingError>, &Track)| match seen {
                 Ok(seen) => Some(seen.observation.at),
                 Err(_) => other.hidden.is_none().then_some(other.at),
             };
-            let taken: Vec<Point2> = found.iter().zip(&self.tracks).filter_map(place).collect();
-            let expected = Expected { marker, frame, near: track.expected() };
-            let again = self.reacquire(picture, track, frame - since.frame, &taken);
-            found[marker] = again.map_err(|why| TrackingError::at(picture, expected, why));
+            let taken: Vec<Point2> = found.iter().zip(&self.tracks).filter_map(known_point).collect();
+            let expected = Expected { marker, frame, near: track.expected_place() };
+            let again = self.reacquire_marker(picture, track, frame - since.frame, &taken);
+            found[marker] = again.map_err(|why| TrackingError::with_crop(picture, expected, why));
         }
         self.check_separation(picture, frame, found);
     }
 
     /// Refuses two tracks on one marker.
-    pub(super) fn apart(&self) -> Result<(), TrackingError> {
-        let seen = |(_, track): &(usize, &Track)| track.hidden.is_none();
-        for (marker, track) in self.tracks.iter().enumerate().filter(seen) {
-            for (other, before) in self.tracks[..marker].iter().enumerate().filter(seen) {
+    pub(super) fn check_tracks_apart(&self) -> Result<(), TrackingError> {
+        let is_visible = |(_, track): &(usize, &Track)| track.hidden.is_none();
+        for (marker, track) in self.tracks.iter().enumerate().filter(is_visible) {
+            for (other, before) in self.tracks[..marker].iter().enumerate().filter(is_visible) {
                 let (measured, limit) = (distance(track.at, before.at), self.settings.radius);
                 if measured < limit {
                     let why = FailedGate::Merged { other, measured, limit };
                     let expected = Expected { marker, frame: self.frame, near: track.at };
-                    return Err(TrackingError::at(&self.before, expected, why));
+                    return Err(TrackingError::with_crop(&self.before, expected, why));
                 }
             }
         }
@@ -162,7 +167,7 @@ mod tests {
             Tracker::new(&picture, &[[50.0, 50.0], [110.0, 50.0], [170.0, 50.0]], Settings::default()).unwrap();
         let found = |by: f64| {
             let seen = |(k, track): (usize, &Track)| {
-                let mut seen = tracker.locate(&picture, track, track.at).unwrap();
+                let mut seen = tracker.locate_marker(&picture, track, track.at).unwrap();
                 seen.observation.at[0] += if k == 2 { by } else { 0.0 };
                 Ok(seen)
             };

@@ -31,17 +31,18 @@ pub(super) struct Region<'a> {
 pub(super) fn best_match(picture: &Gray, template: &Template, region: &Region) -> (Point2, f64) {
     let (around, reach, taken) = (region.centre, region.radius, region.excluded);
     let steps = (reach / f64::from(STRIDE)) as i32;
-    let apart = template.radius();
+    let min_distance = template.radius();
     let mut best = (around, -1.0);
     for row in -steps..=steps {
         for column in -steps..=steps {
-            let place = [around[0] + f64::from(STRIDE * column), around[1] + f64::from(STRIDE * row)];
-            let free = taken.iter().all(|t| (t[0] - place[0]).hypot(t[1] - place[1]) > apart);
-            if free && (column * column + row * row) <= steps * steps && picture.holds(place, apart) {
-                let best_turn = TURNS.map(|turn| correlation(picture, template, place, turn));
+            let point = [around[0] + f64::from(STRIDE * column), around[1] + f64::from(STRIDE * row)];
+            let free = taken.iter().all(|t| (t[0] - point[0]).hypot(t[1] - point[1]) > min_distance);
+            if free && (column * column + row * row) <= steps * steps && picture.holds_with_margin(point, min_distance)
+            {
+                let best_turn = TURNS.map(|turn| template_correlation(picture, template, point, turn));
                 let best_turn = best_turn.into_iter().fold(-1.0, f64::max);
                 if best_turn > best.1 {
-                    best = (place, best_turn);
+                    best = (point, best_turn);
                 }
             }
         }
@@ -50,11 +51,11 @@ pub(super) fn best_match(picture: &Gray, template: &Template, region: &Region) -
 }
 
 /// Correlation of the picture around a place with the template at a turn (rad), no unit.
-fn correlation(picture: &Gray, template: &Template, place: Point2, turn: Radian) -> f64 {
+fn template_correlation(picture: &Gray, template: &Template, place: Point2, turn: Radian) -> f64 {
     let turn = turn.sin_cos();
     let (mut n, mut a, mut b, mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    Disc { middle: place, radius: template.radius(), stride: SPARSE }.visit(picture, |x, y, _, level| {
-        let share = template.share([x, y], turn);
+    Disc { middle: place, radius: template.radius(), stride: SPARSE }.visit_pixels(picture, |x, y, _, level| {
+        let share = template.level_share([x, y], turn);
         n += 1.0;
         a += level;
         b += share;

@@ -21,16 +21,16 @@ pub(super) struct SpanningTree {
 /// What an assignment costs, no unit; infinite where it is impossible.
 pub(super) trait Cost {
     /// Number of places.
-    fn places(&self) -> usize;
+    fn place_count(&self) -> usize;
     /// Of a part at a place, or at none.
-    fn part(&self, part: usize, place: Option<usize>) -> f64;
+    fn part_cost(&self, part: usize, place: Option<usize>) -> f64;
     /// Of two parts that the tree joins, each at its place.
-    fn pair(&self, parts: [usize; 2], places: [usize; 2]) -> f64;
+    fn pair_cost(&self, parts: [usize; 2], places: [usize; 2]) -> f64;
 }
 
 impl SpanningTree {
     /// The tree of least total length over some points, by Prim's algorithm.
-    pub(super) fn shortest(points: &[Point2]) -> Self {
+    pub(super) fn of_least_length(points: &[Point2]) -> Self {
         // of each part that is not in the tree yet: its distance from the tree, and from which part
         let mut open: Vec<(usize, f64, Option<usize>)> = (0..points.len()).map(|k| (k, f64::INFINITY, None)).collect();
         let (mut order, mut parents) = (Vec::new(), vec![None; points.len()]);
@@ -49,26 +49,27 @@ impl SpanningTree {
     }
 
     /// The pairs that it joins, as (child, parent).
-    pub(super) fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+    pub(super) fn joined_pairs(&self) -> impl Iterator<Item = [usize; 2]> {
         self.parents.iter().enumerate().filter_map(|(part, parent)| Some([part, (*parent)?]))
     }
 
     /// The assignment of least total cost: the place of each part, or none.
-    pub(super) fn assign(&self, cost: &impl Cost) -> Vec<Option<usize>> {
-        let choices: Vec<Option<usize>> = (0..cost.places()).map(Some).chain([None]).collect();
+    pub(super) fn cheapest_assignment(&self, cost: &impl Cost) -> Vec<Option<usize>> {
+        let choices: Vec<Option<usize>> = (0..cost.place_count()).map(Some).chain([None]).collect();
         let parts = self.parents.len();
         // cost of each part's branch by the part's own choice; the part's best choice by its parent's
-        let own = |part: usize| choices.iter().map(|&c| cost.part(part, c)).collect();
-        let mut branch: Vec<Vec<f64>> = (0..parts).map(own).collect();
+        let own_costs = |part: usize| choices.iter().map(|&c| cost.part_cost(part, c)).collect();
+        let mut branch: Vec<Vec<f64>> = (0..parts).map(own_costs).collect();
         let mut best: Vec<Vec<usize>> = vec![vec![choices.len() - 1; choices.len()]; parts];
         for &part in self.order.iter().rev() {
             let Some(parent) = self.parents[part] else { continue };
-            for (k, &there) in choices.iter().enumerate() {
+            for (k, &parent_choice) in choices.iter().enumerate() {
                 let joined = |c: usize| {
-                    let pair = choices[c].zip(there).map_or(0.0, |(a, b)| cost.pair([part, parent], [a, b]));
+                    let pair =
+                        choices[c].zip(parent_choice).map_or(0.0, |(a, b)| cost.pair_cost([part, parent], [a, b]));
                     branch[part][c] + pair
                 };
-                let (choice, least) = least(choices.len(), joined);
+                let (choice, least) = least_value(choices.len(), joined);
                 best[part][k] = choice;
                 branch[parent][k] += least;
             }
@@ -76,15 +77,15 @@ impl SpanningTree {
         let mut chosen = vec![choices.len() - 1; parts];
         for &part in &self.order {
             let choice = self.parents[part].map(|parent| best[part][chosen[parent]]);
-            chosen[part] = choice.unwrap_or_else(|| least(choices.len(), |c| branch[part][c]).0);
+            chosen[part] = choice.unwrap_or_else(|| least_value(choices.len(), |c| branch[part][c]).0);
         }
         chosen.into_iter().map(|c| choices[c]).collect()
     }
 }
 
 /// The first of the least values of a function of 0 to `count` − 1, with that value.
-fn least(count: usize, of: impl Fn(usize) -> f64) -> (usize, f64) {
-    (0..count).map(|c| (c, of(c))).fold((0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+fn least_value(count: usize, value: impl Fn(usize) -> f64) -> (usize, f64) {
+    (0..count).map(|c| (c, value(c))).fold((0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
 }
 
 #[cfg(test)]
@@ -99,34 +100,38 @@ mod tests {
     }
 
     impl Cost for Table {
-        fn places(&self) -> usize {
+        fn place_count(&self) -> usize {
             self.parts[0].len()
         }
-        fn part(&self, part: usize, place: Option<usize>) -> f64 {
+        fn part_cost(&self, part: usize, place: Option<usize>) -> f64 {
             place.map_or(self.none, |place| self.parts[part][place])
         }
-        fn pair(&self, parts: [usize; 2], places: [usize; 2]) -> f64 {
+        fn pair_cost(&self, parts: [usize; 2], places: [usize; 2]) -> f64 {
             (self.spring)(parts, places)
         }
     }
 
     fn row(count: usize) -> SpanningTree {
         let points: Vec<Point2> = (0..count).map(|k| [10.0 * k as f64, 0.0]).collect();
-        SpanningTree::shortest(&points)
+        SpanningTree::of_least_length(&points)
     }
 
     fn total(tree: &SpanningTree, cost: &Table, chosen: &[Option<usize>]) -> f64 {
-        let parts: f64 = chosen.iter().enumerate().map(|(part, c)| cost.part(part, *c)).sum();
-        let placed = tree.pairs().filter_map(|pair| Some((pair, [chosen[pair[0]]?, chosen[pair[1]]?])));
-        parts + placed.map(|(parts, places)| cost.pair(parts, places)).sum::<f64>()
+        let parts: f64 = chosen.iter().enumerate().map(|(part, c)| cost.part_cost(part, *c)).sum();
+        let placed = tree.joined_pairs().filter_map(|pair| Some((pair, [chosen[pair[0]]?, chosen[pair[1]]?])));
+        parts + placed.map(|(parts, places)| cost.pair_cost(parts, places)).sum::<f64>()
     }
 
     #[test]
     fn a_row_in_any_order_of_clicks_is_joined_from_neighbour_to_neighbour() {
-        let tree = SpanningTree::shortest(&[[30.0, 0.0], [0.0, 0.0], [20.0, 1.0], [10.0, 0.0]]);
-        assert_eq!(tree.pairs().collect::<Vec<_>>(), [[1, 3], [2, 0], [3, 2]]);
+        let tree = SpanningTree::of_least_length(&[[30.0, 0.0], [0.0, 0.0], [20.0, 1.0], [10.0, 0.0]]);
+        assert_eq!(tree.joined_pairs().collect::<Vec<_>>(), [[1, 3], [2, 0], [3, 2]]);
         assert_eq!(
-            SpanningTree::shortest(&[]).assign(&Table { parts: vec![vec![]], none: 0.0, spring: |_, _| 0.0 }),
+            SpanningTree::of_least_length(&[]).cheapest_assignment(&Table {
+                parts: vec![vec![]],
+                none: 0.0,
+                spring: |_, _| 0.0
+            }),
             []
         );
     }
@@ -141,9 +146,9 @@ mod tests {
         };
         let mut cost = Table { parts: (0..3).map(away).collect(), none: 1.0, spring };
         cost.parts.iter_mut().for_each(|costs| costs[0] = f64::INFINITY);
-        assert_eq!(row(3).assign(&cost), [Some(1), Some(2), Some(3)]);
+        assert_eq!(row(3).cheapest_assignment(&cost), [Some(1), Some(2), Some(3)]);
         // where a missing part costs less than the motion of all, the first is missing and the others stay
-        assert_eq!(row(3).assign(&Table { none: 0.2, ..cost }), [None, Some(1), Some(2)]);
+        assert_eq!(row(3).cheapest_assignment(&Table { none: 0.2, ..cost }), [None, Some(1), Some(2)]);
     }
 
     #[test]
@@ -157,8 +162,8 @@ mod tests {
         for _ in 0..20 {
             let points: Vec<Point2> = (0..4).map(|_| [random(), random()]).collect();
             let parts = (0..4).map(|_| (0..3).map(|_| random()).collect()).collect();
-            let (tree, cost) = (SpanningTree::shortest(&points), Table { parts, none: 0.9, spring });
-            let best = total(&tree, &cost, &tree.assign(&cost));
+            let (tree, cost) = (SpanningTree::of_least_length(&points), Table { parts, none: 0.9, spring });
+            let best = total(&tree, &cost, &tree.cheapest_assignment(&cost));
             let choice = |code: usize, part: u32| Some(code / 4_usize.pow(part) % 4).filter(|c| *c < 3);
             let each = (0..256).map(|code| total(&tree, &cost, &[0, 1, 2, 3].map(|part| choice(code, part))));
             let least = each.fold(f64::INFINITY, f64::min);

@@ -45,48 +45,48 @@ pub(super) struct Difference {
 
 impl Template {
     /// Keeps the window of `radius` (px) around a spot, which lies in the picture with a margin.
-    pub(super) fn cut(picture: &Gray, blob: &Blob, radius: f64) -> Self {
+    pub(super) fn cut_window(picture: &Gray, blob: &Blob, radius: f64) -> Self {
         let half = (radius + MARGIN).ceil();
         let first = blob.at.map(|c| c.round() - half);
         let side = 2 * half as usize + 1;
-        let off = blob.off();
+        let shift = blob.centroid_shift();
         let middle = [blob.at[0] - first[0], blob.at[1] - first[1]];
         let share = |k: usize| {
             let (x, y) = ((k % side) as f64, (k / side) as f64);
-            let background = blob.background.level(x - middle[0] + off[0], y - middle[1] + off[1]);
-            picture.level([first[0] + x, first[1] + y]) / background
+            let background = blob.background.level_at(x - middle[0] + shift[0], y - middle[1] + shift[1]);
+            picture.interpolated_level([first[0] + x, first[1] + y]) / background
         };
         Self { radius, side, middle, shares: (0..side * side).map(share).collect() }
     }
 
     /// Compares a spot with the template near the turn `last` (rad).
-    pub(super) fn compare(&self, picture: &Gray, blob: &Blob, last: Radian) -> Difference {
-        let rough = |turn: Radian| self.distance(picture, blob, turn, SPARSE).squares;
+    pub(super) fn compare_spot(&self, picture: &Gray, blob: &Blob, last: Radian) -> Difference {
+        let rough = |turn: Radian| self.window_distance(picture, blob, turn, SPARSE).squares;
         let tries = (-TRIES..=TRIES).map(|k| last + FASTEST * f64::from(k) / f64::from(TRIES));
         let best = tries.map(|turn| (rough(turn), turn)).min_by(|a, b| a.0.total_cmp(&b.0));
         let start = best.map_or(last, |(_, turn)| turn);
-        let turn = Self::vertex(rough, start);
+        let turn = Self::parabola_vertex(rough, start);
         // A disc fits at any rotation: an angle that fits no better than the last is not estimated and does not drift.
         let turn = if rough(turn) < BETTER * rough(last) { turn } else { last };
-        Difference { turn, mean: self.distance(picture, blob, turn, 1).mean }
+        Difference { turn, mean: self.window_distance(picture, blob, turn, 1).mean }
     }
 
     /// The lowest point of the parabola through three turns about `start`.
-    fn vertex(squares: impl Fn(Radian) -> f64, start: Radian) -> Radian {
+    fn parabola_vertex(squares: impl Fn(Radian) -> f64, start: Radian) -> Radian {
         let [before, here, after] = [-FINE, 0.0, FINE].map(|t| squares(start + t));
         let shift = 0.5 * FINE * (before - after) / (before - 2.0 * here + after);
-        let most = FASTEST / f64::from(TRIES);
-        if shift.is_finite() { start + shift.clamp(-most, most) } else { start }
+        let max_shift = FASTEST / f64::from(TRIES);
+        if shift.is_finite() { start + shift.clamp(-max_shift, max_shift) } else { start }
     }
 
     /// The distance between the window, turned by `turn` (rad), and the template, over every `stride`-th pixel each way.
-    fn distance(&self, picture: &Gray, blob: &Blob, turn: Radian, stride: usize) -> Distance {
+    fn window_distance(&self, picture: &Gray, blob: &Blob, turn: Radian, stride: usize) -> Distance {
         let (at, background) = (blob.at, &blob.background);
-        let off = blob.off();
+        let shift = blob.centroid_shift();
         let sine_cosine = turn.sin_cos();
         let (mut squares, mut sum, mut number) = (0.0, 0.0, 0.0);
-        Disc { middle: at, radius: self.radius, stride }.visit(picture, |x, y, _, level| {
-            let miss = level - self.share([x, y], sine_cosine) * background.level(x + off[0], y + off[1]);
+        Disc { middle: at, radius: self.radius, stride }.visit_pixels(picture, |x, y, _, level| {
+            let miss = level - self.level_share([x, y], sine_cosine) * background.level_at(x + shift[0], y + shift[1]);
             squares += miss * miss;
             sum += miss.abs();
             number += 1.0;
@@ -102,7 +102,7 @@ impl Template {
     /// Level over background at a place counted from the marker's middle (px), linear between pixels.
     ///
     /// The marker is turned by the angle of which sine and cosine are given.
-    pub(super) fn share(&self, [x, y]: Point2, (sine, cosine): (f64, f64)) -> f64 {
+    pub(super) fn level_share(&self, [x, y]: Point2, (sine, cosine): (f64, f64)) -> f64 {
         let [x, y] = [self.middle[0] + cosine * x + sine * y, self.middle[1] - sine * x + cosine * y];
         let last = (self.side - 2) as f64;
         let (left, top) = (x.clamp(0.0, last) as usize, y.clamp(0.0, last) as usize);

@@ -10,7 +10,7 @@ const AXIS: f64 = 1e-8;
 const STEEPEST: Radian = 1.4;
 
 /// Distorted angle over the tangent, and d(distorted angle)/d(angle), at r.
-fn angles(k: &[f64; 5], r: f64) -> (f64, f64) {
+fn distorted_angle(k: &[f64; 5], r: f64) -> (f64, f64) {
     let t = r.atan();
     let q = t * t;
     let bent = t * (1.0 + q * (k[0] + q * (k[1] + q * (k[2] + q * k[3]))));
@@ -20,7 +20,7 @@ fn angles(k: &[f64; 5], r: f64) -> (f64, f64) {
 /// The distorted place.
 pub(super) fn distort(k: &[f64; 5], [x, y]: Point2) -> Point2 {
     let r = (x * x + y * y).sqrt();
-    let share = if r < AXIS { 1.0 } else { angles(k, r).0 };
+    let share = if r < AXIS { 1.0 } else { distorted_angle(k, r).0 };
     [share * x, share * y]
 }
 
@@ -30,7 +30,7 @@ pub(super) fn distortion_jacobian(k: &[f64; 5], [x, y]: Point2) -> [[f64; 2]; 2]
     if r < AXIS {
         return [[1.0, 0.0], [0.0, 1.0]];
     }
-    let (share, rise) = angles(k, r);
+    let (share, rise) = distorted_angle(k, r);
     let jacobian = (rise / (1.0 + r * r) - share) / (r * r);
     [[share + jacobian * x * x, jacobian * x * y], [jacobian * x * y, share + jacobian * y * y]]
 }
@@ -45,11 +45,11 @@ pub(super) fn by_coefficients([x, y]: Point2) -> [[f64; 5]; 2] {
 
 /// d(distorted angle)/d(angle) at r²: positive while rays spread.
 pub(super) fn rise(k: &[f64; 5], r2: f64) -> f64 {
-    angles(k, r2.sqrt().max(AXIS)).1
+    distorted_angle(k, r2.sqrt().max(AXIS)).1
 }
 
 /// A ray near the one whose distorted place is `goal`: as if the lens were an ideal fisheye.
-pub(super) fn start([x, y]: Point2) -> Point2 {
+pub(super) fn initial_ray([x, y]: Point2) -> Point2 {
     let angle = (x * x + y * y).sqrt();
     let share = if angle < AXIS { 1.0 } else { angle.min(STEEPEST).tan() / angle };
     [share * x, share * y]
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn a_ray_of_an_ideal_fisheye_is_found_from_its_angle() {
         for goal in [[0.3, -0.4], [1.0, 0.2], [0.0, 0.0]] {
-            let [x, y] = start(goal);
+            let [x, y] = initial_ray(goal);
             // the distance from the axis is the tangent of the angle, which is the distance of the distorted place
             let (angle, distance) = (goal[0].hypot(goal[1]), x.hypot(y));
             assert!((distance - angle.tan()).abs() < 1e-12 && (x * goal[1] - y * goal[0]).abs() < 1e-12, "{goal:?}");

@@ -61,15 +61,15 @@ impl Lens {
     /// The pixel of a point in the camera's frame (m), px; none behind the camera or where the distortion has folded over.
     pub fn project(&self, [x, y, z]: Point3) -> Option<Point2> {
         let flat = [x / z, y / z];
-        (z > 0.0 && self.is_invertible(flat)).then(|| self.pixel(self.distort(flat)))
+        (z > 0.0 && self.is_invertible(flat)).then(|| self.pixel_at(self.distort(flat)))
     }
 
     /// The part of a picture of `size` (px) in which points of the camera's frame (m) lie: left, top, right, bottom, px.
     pub fn window(&self, points: impl IntoIterator<Item = Point3>, size: [usize; 2]) -> [usize; 4] {
-        let seen: Vec<Point2> = points.into_iter().filter_map(|p| self.project(p)).collect();
+        let pixels: Vec<Point2> = points.into_iter().filter_map(|p| self.project(p)).collect();
         let ends = |k: usize| {
-            let low = seen.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min).max(0.0);
-            let high = seen.iter().map(|p| p[k]).fold(0.0, f64::max).min(size[k] as f64);
+            let low = pixels.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min).max(0.0);
+            let high = pixels.iter().map(|p| p[k]).fold(0.0, f64::max).min(size[k] as f64);
             [low.min(high) as usize, high as usize]
         };
         let ([left, right], [top, bottom]) = (ends(0), ends(1));
@@ -83,11 +83,11 @@ impl Lens {
         let goal = [(pixel[0] - self.cx) / self.fx, (pixel[1] - self.cy) / self.fy];
         let mut ray = match self.distortion {
             Distortion::BrownConrady => goal,
-            Distortion::Fisheye => fisheye::start(goal),
+            Distortion::Fisheye => fisheye::initial_ray(goal),
         };
         for _ in 0..NEWTON_STEPS {
-            let there = self.distort(ray);
-            let miss = [goal[0] - there[0], goal[1] - there[1]];
+            let distorted = self.distort(ray);
+            let miss = [goal[0] - distorted[0], goal[1] - distorted[1]];
             if miss[0].hypot(miss[1]) < RAY_TOLERANCE {
                 return self.is_invertible(ray).then_some(ray);
             }
@@ -136,7 +136,7 @@ impl Lens {
     }
 
     /// The same kind of lens with other numbers.
-    pub fn with(&self, [fx, fy, cx, cy, a, b, c, d, e]: [f64; VALUES]) -> Self {
+    pub fn with_values(&self, [fx, fy, cx, cy, a, b, c, d, e]: [f64; VALUES]) -> Self {
         let new = Self { distortion: self.distortion, fx, fy, cx, cy, k1: a, k2: b, ..Self::default() };
         match self.distortion {
             Distortion::BrownConrady => Self { p1: c, p2: d, k3: e, ..new },
@@ -161,7 +161,7 @@ impl Lens {
     }
 
     /// The pixel of a distorted normalised place.
-    pub(crate) fn pixel(&self, [x, y]: Point2) -> Point2 {
+    pub(crate) fn pixel_at(&self, [x, y]: Point2) -> Point2 {
         [self.fx * x + self.cx, self.fy * y + self.cy]
     }
 
@@ -200,9 +200,9 @@ mod tests {
         let plain = Lens::default();
         let fisheye = Lens { distortion: Distortion::Fisheye, ..plain };
         [
-            plain.with([1473.0, 1478.0, 969.0, 541.0, -0.03, 0.01, 2e-4, -3e-4, 1e-3]),
-            plain.with([1780.0, 1780.0, 960.0, 540.0, -0.255, -0.07, 1e-3, 5e-4, 0.3]),
-            fisheye.with([880.0, 882.0, 961.0, 538.0, 0.05, -0.02, 4e-3, -1e-3, 0.0]),
+            plain.with_values([1473.0, 1478.0, 969.0, 541.0, -0.03, 0.01, 2e-4, -3e-4, 1e-3]),
+            plain.with_values([1780.0, 1780.0, 960.0, 540.0, -0.255, -0.07, 1e-3, 5e-4, 0.3]),
+            fisheye.with_values([880.0, 882.0, 961.0, 538.0, 0.05, -0.02, 4e-3, -1e-3, 0.0]),
         ]
     }
 
@@ -253,7 +253,7 @@ mod tests {
                 let moved = |s: f64| {
                     let mut values = lens.values();
                     values[4 + k] += s;
-                    lens.with(values).distort(place)
+                    lens.with_values(values).distort(place)
                 };
                 for (i, row) in jacobian.iter().enumerate() {
                     let difference = (moved(h)[i] - moved(-h)[i]) / (2.0 * h);

@@ -33,8 +33,8 @@ impl DecodedAhead {
                 let _ = film.take_while(|_| wanted).try_for_each(|frame| sender.send(frame));
             }
         };
-        thread::Builder::new().spawn(decode).map_err(|e| VideoError::reading(&named, e))?;
-        let gone = |_| VideoError::reading(&named, std::io::Error::other("the thread of its decoder ended"));
+        thread::Builder::new().spawn(decode).map_err(|e| VideoError::reading_error(&named, e))?;
+        let gone = |_| VideoError::reading_error(&named, std::io::Error::other("the thread of its decoder ended"));
         let info = info.recv().map_err(gone)??;
         Ok(Self { info, frames })
     }

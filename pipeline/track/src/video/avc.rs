@@ -24,48 +24,48 @@ pub(super) struct Avc {
 ///
 /// # Errors
 /// [`VideoError::Unsupported`] for a sample format that is not decoded, [`VideoError::PictureSize`], [`VideoError::DamagedBox`].
-pub(super) fn read(avc1: &Mp4Box) -> Result<Avc, VideoError> {
-    let [width, height] = [avc1.bytes(24)?, avc1.bytes(26)?].map(u16::from_be_bytes);
+pub(super) fn read_avc(avc1: &Mp4Box) -> Result<Avc, VideoError> {
+    let [width, height] = [avc1.bytes_at(24)?, avc1.bytes_at(26)?].map(u16::from_be_bytes);
     let is_avcc = |found: &Result<Mp4Box, VideoError>| found.as_ref().map_or(true, |child| &child.name == b"avcC");
     let avcc = avc1.children_behind(ENTRY)?.find(is_avcc).transpose()?;
     let avcc = avcc.ok_or_else(|| avc1.refuse("it holds no box `avcC`"))?;
-    let [_, _, _, _, lengths, count] = avcc.bytes(0)?;
-    let mut at = 6;
-    let mut parameters = units(&avcc, &mut at, count & 31, true)?;
-    let [count] = avcc.bytes(at)?;
-    at += 1;
-    parameters.extend(units(&avcc, &mut at, count, false)?);
+    let [_, _, _, _, lengths, count] = avcc.bytes_at(0)?;
+    let mut offset = 6;
+    let mut parameters = read_units(&avcc, &mut offset, count & 31, true)?;
+    let [count] = avcc.bytes_at(offset)?;
+    offset += 1;
+    parameters.extend(read_units(&avcc, &mut offset, count, false)?);
     check_size(avc1.path, [width.into(), height.into()])?;
     Ok(Avc { width: width.into(), height: height.into(), parameters, length_bytes: usize::from(lengths & 3) + 1 })
 }
 
-/// `count` parameter sets from `at` on, each with its start code.
-fn units(avcc: &Mp4Box, at: &mut usize, count: u8, of_sequence: bool) -> Result<Vec<u8>, VideoError> {
+/// `count` parameter sets from `offset` on, each with its start code.
+fn read_units(avcc: &Mp4Box, offset: &mut usize, count: u8, of_sequence: bool) -> Result<Vec<u8>, VideoError> {
     let mut out = Vec::new();
     for _ in 0..count {
-        let length = usize::from(u16::from_be_bytes(avcc.bytes(*at)?));
-        let unit = avcc.content.get(*at + 2..*at + 2 + length);
+        let length = usize::from(u16::from_be_bytes(avcc.bytes_at(*offset)?));
+        let unit = avcc.content.get(*offset + 2..*offset + 2 + length);
         let unit =
             unit.ok_or_else(|| avcc.refuse(format!("a parameter set of {length} bytes reaches past its end")))?;
         if of_sequence {
-            check(avcc.path, unit, || avcc.refuse("its sequence parameter set ends early or is out of range"))?;
+            check_unit(avcc.path, unit, || avcc.refuse("its sequence parameter set ends early or is out of range"))?;
         }
         out.extend_from_slice(&START_CODE);
         out.extend_from_slice(unit);
-        *at += 2 + length;
+        *offset += 2 + length;
     }
     Ok(out)
 }
 
 /// Holds a sequence parameter set against what can be decoded; other units pass.
-pub(super) fn check(path: &Path, unit: &[u8], damaged: impl FnOnce() -> VideoError) -> Result<(), VideoError> {
+pub(super) fn check_unit(path: &Path, unit: &[u8], damaged: impl FnOnce() -> VideoError) -> Result<(), VideoError> {
     if unit.first().is_none_or(|head| head & 31 != SEQUENCE_PARAMETERS) {
         return Ok(());
     }
     let set = SequenceParameters::read(unit).ok_or_else(damaged)?;
     // the size comes first: what is too large for any picture is not better converted
     check_size(path, set.size)?;
-    set.unsupported().map_or(Ok(()), |feature| Err(VideoError::Unsupported { path: path.into(), feature }))
+    set.unsupported_feature().map_or(Ok(()), |feature| Err(VideoError::Unsupported { path: path.into(), feature }))
 }
 
 fn check_size(path: &Path, [width, height]: [u64; 2]) -> Result<(), VideoError> {
@@ -86,7 +86,7 @@ mod tests {
         content[24..26].copy_from_slice(&width.to_be_bytes());
         content[26..28].copy_from_slice(&height.to_be_bytes());
         content.extend(boxed(b"avcC", avcc));
-        read(&parent(b"avc1", &content))
+        read_avc(&parent(b"avc1", &content))
     }
 
     #[test]

@@ -24,12 +24,12 @@ impl Header {
     pub(super) const SHORT: u64 = 8;
     pub(super) const LONG: u64 = 16;
 
-    /// From the first bytes of a box with `left` bytes to the end of its parent; none when they end within the header.
-    pub(super) fn read(head: &[u8], left: u64) -> Option<Self> {
+    /// From the first bytes of a box with `remaining` bytes to the end of its parent; none when they end within the header.
+    pub(super) fn read_header(head: &[u8], remaining: u64) -> Option<Self> {
         let (size, rest) = head.split_first_chunk::<4>()?;
         let (name, rest) = rest.split_first_chunk::<4>()?;
         let (length, size) = match u32::from_be_bytes(*size) {
-            0 => (Self::SHORT, left),
+            0 => (Self::SHORT, remaining),
             1 => (Self::LONG, u64::from_be_bytes(*rest.first_chunk()?)),
             size => (Self::SHORT, size.into()),
         };
@@ -37,12 +37,12 @@ impl Header {
     }
 
     /// Why there can be no such box, none where there can.
-    pub(super) fn complaint(&self, left: u64) -> Option<String> {
+    pub(super) fn defect(&self, remaining: u64) -> Option<String> {
         let Self { length, size, .. } = *self;
         match size {
             _ if size < length => Some(format!("it states a size of {size} bytes; its header alone takes {length}")),
-            _ if size > left => {
-                Some(format!("it states a size of {size} bytes; {left} are left to the end of its parent"))
+            _ if size > remaining => {
+                Some(format!("it states a size of {size} bytes; {remaining} are left to the end of its parent"))
             }
             _ => None,
         }
@@ -76,42 +76,42 @@ impl<'a> Mp4Box<'a> {
     }
 
     /// The first child of a name.
-    pub(super) fn child(&self, name: &Name) -> Result<Option<Self>, VideoError> {
+    pub(super) fn find_child(&self, name: &Name) -> Result<Option<Self>, VideoError> {
         self.children().find(|found| found.as_ref().map_or(true, |child| &child.name == name)).transpose()
     }
 
     /// The first child of a name, which must be there.
-    pub(super) fn need(&self, name: &Name) -> Result<Self, VideoError> {
+    pub(super) fn required_child(&self, name: &Name) -> Result<Self, VideoError> {
         let missing = || self.refuse(format!("it holds no box `{}`", name.escape_ascii()));
-        self.child(name)?.ok_or_else(missing)
+        self.find_child(name)?.ok_or_else(missing)
     }
 
-    /// `N` bytes of the content from `at`.
-    pub(super) fn bytes<const N: usize>(&self, at: usize) -> Result<[u8; N], VideoError> {
-        let found = self.content.get(at..).and_then(|rest| rest.first_chunk());
-        found.copied().ok_or_else(|| self.refuse(self.ends_early(at.saturating_add(N))))
+    /// `N` bytes of the content from `offset`.
+    pub(super) fn bytes_at<const N: usize>(&self, offset: usize) -> Result<[u8; N], VideoError> {
+        let chunk = self.content.get(offset..).and_then(|rest| rest.first_chunk());
+        chunk.copied().ok_or_else(|| self.refuse(self.ends_early(offset.saturating_add(N))))
     }
 
     /// The 32-bit number at `at`.
-    pub(super) fn number(&self, at: usize) -> Result<u32, VideoError> {
-        self.bytes(at).map(u32::from_be_bytes)
+    pub(super) fn number_at(&self, at: usize) -> Result<u32, VideoError> {
+        self.bytes_at(at).map(u32::from_be_bytes)
     }
 
     /// The version of a full box: its first byte.
     pub(super) fn version(&self) -> Result<u8, VideoError> {
-        self.bytes(0).map(|[version]| version)
+        self.bytes_at(0).map(|[version]| version)
     }
 
-    /// The rows of a table whose number of rows is at `at`, `row` bytes each.
-    pub(super) fn rows(&self, at: usize, row: usize) -> Result<std::slice::ChunksExact<'a, u8>, VideoError> {
-        let count = u64::from(self.number(at)?);
-        let there = &self.content[at + 4..];
+    /// The rows of a table whose number of rows is at `offset`, `row` bytes each.
+    pub(super) fn table_rows(&self, offset: usize, row: usize) -> Result<std::slice::ChunksExact<'a, u8>, VideoError> {
+        let count = u64::from(self.number_at(offset)?);
+        let table = &self.content[offset + 4..];
         let needed = count * row as u64;
-        if needed > there.len() as u64 {
-            let why = format!("it lists {count} entries of {row} bytes, {needed} bytes in all; it has {}", there.len());
+        if needed > table.len() as u64 {
+            let why = format!("it lists {count} entries of {row} bytes, {needed} bytes in all; it has {}", table.len());
             return Err(self.refuse(why));
         }
-        Ok(there[..needed as usize].chunks_exact(row))
+        Ok(table[..needed as usize].chunks_exact(row))
     }
 
     /// The error that this box cannot be right.
@@ -136,14 +136,14 @@ impl<'a> Iterator for Boxes<'a> {
     type Item = Result<Mp4Box<'a>, VideoError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let rest = &self.parent.content[self.at..];
+        let remaining = &self.parent.content[self.at..];
         // a list of boxes in a QuickTime file may end in a terminator of 32 zero bits
-        if rest.len() < Header::SHORT as usize && rest.iter().all(|&byte| byte == 0) {
+        if remaining.len() < Header::SHORT as usize && remaining.iter().all(|&byte| byte == 0) {
             return None;
         }
-        let found = self.parent.box_at(self.at);
-        self.at = found.as_ref().map_or(self.parent.content.len(), |(_, behind)| *behind);
-        Some(found.map(|(found, _)| found))
+        let child = self.parent.box_at(self.at);
+        self.at = child.as_ref().map_or(self.parent.content.len(), |(_, behind)| *behind);
+        Some(child.map(|(child, _)| child))
     }
 }
 
@@ -151,15 +151,16 @@ impl<'a> Mp4Box<'a> {
     /// The box that begins at byte `at` of the content, and where it ends.
     fn box_at(&self, at: usize) -> Result<(Self, usize), VideoError> {
         let (rest, offset) = (&self.content[at..], self.offset + self.header + at as u64);
-        let left = rest.len() as u64;
-        let cut = || format!("its last {left} bytes, from byte {offset} on, are not a whole header of a box");
-        let head = Header::read(rest, left).ok_or_else(|| self.refuse(cut()))?;
-        if let Some(why) = head.complaint(left) {
+        let remaining_bytes = rest.len() as u64;
+        let cut =
+            || format!("its last {remaining_bytes} bytes, from byte {offset} on, are not a whole header of a box");
+        let head = Header::read_header(rest, remaining_bytes).ok_or_else(|| self.refuse(cut()))?;
+        if let Some(why) = head.defect(remaining_bytes) {
             return Err(VideoError::damaged_box(self.path, head.name, offset, why));
         }
         let content = &rest[head.length as usize..head.size as usize];
-        let found = Mp4Box { path: self.path, name: head.name, offset, header: head.length, content };
-        Ok((found, at + head.size as usize))
+        let child = Mp4Box { path: self.path, name: head.name, offset, header: head.length, content };
+        Ok((child, at + head.size as usize))
     }
 }
 
@@ -235,7 +236,7 @@ mod tests {
         let content = numbers(&[0, 3, 10, 20, 30]);
         let rows = |count: u32, row| {
             let content = [&content[..4], &numbers(&[count]), &content[8..]].concat();
-            parent(b"stco", &content).rows(4, row).map(|rows| rows.count()).map_err(|e| e.to_string())
+            parent(b"stco", &content).table_rows(4, row).map(|rows| rows.count()).map_err(|e| e.to_string())
         };
         assert_eq!(rows(3, 4), Ok(3));
         for (count, row) in [(4, 4), (2, 8), (u32::MAX, 20)] {

@@ -62,10 +62,10 @@ impl Program {
     }
 
     /// The next line without its end; none when the output ends.
-    pub(super) fn line(&mut self) -> Result<Option<String>, Stop> {
+    pub(super) fn read_line(&mut self) -> Result<Option<String>, Stop> {
         let mut line = Vec::new();
         loop {
-            let piece = self.available()?;
+            let piece = self.available_output()?;
             let end = piece.iter().position(|&byte| byte == b'\n');
             let taken = end.map_or(piece.len(), |at| at + 1);
             line.extend_from_slice(&piece[..end.unwrap_or(taken)]);
@@ -82,7 +82,7 @@ impl Program {
     }
 
     /// Fills a buffer.
-    pub(super) fn fill(&mut self, mut buffer: &mut [u8]) -> Result<(), Stop> {
+    pub(super) fn fill_buffer(&mut self, mut buffer: &mut [u8]) -> Result<(), Stop> {
         while !buffer.is_empty() {
             self.check_clock()?;
             match self.output.read(buffer) {
@@ -95,7 +95,7 @@ impl Program {
     }
 
     /// What of the output is there, empty at its end.
-    fn available(&mut self) -> Result<&[u8], Stop> {
+    fn available_output(&mut self) -> Result<&[u8], Stop> {
         loop {
             self.check_clock()?;
             match self.output.fill_buf() {
@@ -129,7 +129,7 @@ impl Program {
     }
 
     /// Ends the program, and gives the end of what it wrote to stderr in one line.
-    pub(super) fn end(&mut self) -> String {
+    pub(super) fn end_program(&mut self) -> String {
         self.read_errors();
         self.stop();
         let text = String::from_utf8_lossy(&self.said);

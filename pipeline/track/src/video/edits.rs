@@ -42,10 +42,10 @@ const UNCHANGED: u32 = 1 << 16;
 ///
 /// # Errors
 /// [`VideoError::Edits`] for several parts, a changed rate or nothing at all; [`VideoError::DamagedBox`].
-pub(super) fn read(trak: &Mp4Box) -> Result<Option<Edit>, VideoError> {
-    let Some(edts) = trak.child(b"edts")? else { return Ok(None) };
-    let Some(elst) = edts.child(b"elst")? else { return Ok(None) };
-    let entries = entries(&elst)?;
+pub(super) fn read_edit(trak: &Mp4Box) -> Result<Option<Edit>, VideoError> {
+    let Some(edts) = trak.find_child(b"edts")? else { return Ok(None) };
+    let Some(elst) = edts.find_child(b"elst")? else { return Ok(None) };
+    let entries = read_entries(&elst)?;
     if entries.is_empty() {
         return Ok(None);
     }
@@ -72,18 +72,18 @@ fn only_part(entries: &[Entry]) -> Result<usize, String> {
     }
 }
 
-fn entries(elst: &Mp4Box) -> Result<Vec<Entry>, VideoError> {
+fn read_entries(elst: &Mp4Box) -> Result<Vec<Entry>, VideoError> {
     let long = match elst.version()? {
         0 => false,
         1 => true,
         other => return Err(elst.refuse(format!("it has the version {other}; 0 and 1 are known"))),
     };
-    let rows = elst.rows(4, if long { 20 } else { 12 })?;
-    Ok(rows.map(|row| entry(row, long)).collect())
+    let rows = elst.table_rows(4, if long { 20 } else { 12 })?;
+    Ok(rows.map(|row| read_entry(row, long)).collect())
 }
 
 /// An entry from its 12 or 20 bytes.
-fn entry(row: &[u8], long: bool) -> Entry {
+fn read_entry(row: &[u8], long: bool) -> Entry {
     let number = |from: &[u8]| from.iter().fold(0_u64, |sum, &byte| sum << 8 | u64::from(byte));
     let width = if long { 8 } else { 4 };
     let ([duration, time], rate) = ([&row[..width], &row[width..2 * width]].map(number), number(&row[2 * width..]));
@@ -96,7 +96,7 @@ impl Edit {
     ///
     /// Durations are rounded to a tick of the movie's clock, which may be longer than a frame. A frame that begins in the last tick is
     /// therefore none of the film's, and an edit that ends within a tick of the track's end ends with the track.
-    pub(super) fn frames(&self, ticks: &DisplayTicks, clocks: Clocks) -> Range<usize> {
+    pub(super) fn frame_range(&self, ticks: &DisplayTicks, clocks: Clocks) -> Range<usize> {
         let first = ticks.starts.partition_point(|&start| start < self.start);
         let Some(duration) = self.duration else { return first..ticks.starts.len() };
         // in units of 1 / (movie × track) s, which hold both clocks exactly
@@ -110,7 +110,7 @@ impl Edit {
     }
 
     /// How long nothing is displayed before the first frame.
-    pub(super) fn delay(&self, clocks: Clocks) -> Second {
+    pub(super) fn start_delay(&self, clocks: Clocks) -> Second {
         self.delay as f64 / f64::from(clocks.movie)
     }
 }
@@ -127,13 +127,13 @@ mod tests {
     fn of(list: &[[u32; 3]]) -> Result<Option<Edit>, String> {
         let content = [numbers(&[0, list.len() as u32]), numbers(list.as_flattened())].concat();
         let edts = boxed(b"edts", &boxed(b"elst", &content));
-        read(&parent(b"trak", &edts)).map_err(|e| e.to_string())
+        read_edit(&parent(b"trak", &edts)).map_err(|e| e.to_string())
     }
 
     /// The frames of ten at 30 frames/s in ticks of 1/15,360 s, of a movie with ticks of 1 ms.
     fn frames(list: &[[u32; 3]]) -> Range<usize> {
         let ticks = DisplayTicks { starts: (0..10).map(|k| 512 * k).collect(), end: 5120 };
-        of(list).unwrap().unwrap().frames(&ticks, Clocks { movie: 1000, track: 15_360 })
+        of(list).unwrap().unwrap().frame_range(&ticks, Clocks { movie: 1000, track: 15_360 })
     }
 
     #[test]
@@ -153,14 +153,14 @@ mod tests {
         // 2000 frames/s: the last two frames begin in the last tick of a film that is not trimmed
         let ticks = DisplayTicks { starts: (0..9).collect(), end: 9 };
         let whole = of(&[[4, 0, NORMAL]]).unwrap().unwrap();
-        assert_eq!(whole.frames(&ticks, Clocks { movie: 1000, track: 2000 }), 0..9);
+        assert_eq!(whole.frame_range(&ticks, Clocks { movie: 1000, track: 2000 }), 0..9);
     }
 
     #[test]
     fn empty_edits_in_front_delay_and_others_do_nothing() {
         let edit = of(&[[250, EMPTY, NORMAL], [250, EMPTY, NORMAL], [100, 512, NORMAL], [70, EMPTY, NORMAL]]);
         let edit = edit.unwrap().unwrap();
-        assert!((edit.delay(Clocks { movie: 1000, track: 15_360 }) - 0.5).abs() < 1e-12);
+        assert!((edit.start_delay(Clocks { movie: 1000, track: 15_360 }) - 0.5).abs() < 1e-12);
         assert_eq!(edit, Edit { start: 512, duration: Some(100), delay: 500 });
     }
 
@@ -169,7 +169,7 @@ mod tests {
         let row = [&100_u64.to_be_bytes()[..], &512_u64.to_be_bytes(), &NORMAL.to_be_bytes()].concat();
         let content = [numbers(&[1 << 24, 1]), row].concat();
         let edts = boxed(b"edts", &boxed(b"elst", &content));
-        assert_eq!(read(&parent(b"trak", &edts)).unwrap(), of(&[[100, 512, NORMAL]]).unwrap());
+        assert_eq!(read_edit(&parent(b"trak", &edts)).unwrap(), of(&[[100, 512, NORMAL]]).unwrap());
     }
 
     #[test]

@@ -149,8 +149,8 @@ pub enum VideoError {
     /// H.264 or an MP4 of a kind that is left to ffmpeg.
     #[error(
         "film {path} is {feature}\n  why: {}, and no ffmpeg and ffprobe are on the PATH\n  do:  convert it with `ffmpeg -i {path} {} film.mp4`, or put ffmpeg and ffprobe on the PATH",
-        .feature.limit(),
-        .feature.conversion(),
+        .feature.supported_range(),
+        .feature.conversion_options(),
         path = .path.display()
     )]
     Unsupported {
@@ -202,7 +202,7 @@ impl VideoError {
         Self::DamagedBox { path: path.into(), name: name.escape_ascii().to_string(), offset, why }
     }
 
-    pub(super) fn reading(path: &Path, source: std::io::Error) -> Self {
+    pub(super) fn reading_error(path: &Path, source: std::io::Error) -> Self {
         match source.kind() {
             std::io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
             _ => Self::Disk { path: path.into(), doing: "read", source },

@@ -42,7 +42,7 @@ impl fmt::Display for Feature {
 
 impl Feature {
     /// What is read without `ffmpeg`.
-    pub(super) fn limit(&self) -> &'static str {
+    pub(super) fn supported_range(&self) -> &'static str {
         match self {
             Self::BitDepth(_) => "only 8 bits a sample are read",
             Self::Chroma(_) => "only colour as 4:2:0 and none (4:0:0) are read",
@@ -55,7 +55,7 @@ impl Feature {
     }
 
     /// Options of `ffmpeg` that convert such a film.
-    pub(super) fn conversion(&self) -> &'static str {
+    pub(super) fn conversion_options(&self) -> &'static str {
         match self {
             Self::BitDepth(_) | Self::Chroma(_) | Self::Profile(_) => "-c:v libx264 -crf 16 -pix_fmt yuv420p -an",
             Self::Interlaced => "-vf yadif -c:v libx264 -crf 16 -pix_fmt yuv420p -an",
@@ -66,7 +66,7 @@ impl Feature {
 
     /// Options of `ffmpeg` with which its pictures are read: the two fields of a frame were exposed one after the other, and would
     /// show a moving marker twice. Frames that are marked as progressive pass unchanged.
-    pub(super) fn filter(&self) -> &'static [&'static str] {
+    pub(super) fn filter_options(&self) -> &'static [&'static str] {
         match self {
             Self::Interlaced => &["-vf", "yadif=deint=interlaced"],
             _ => &[],
@@ -83,7 +83,13 @@ mod tests {
         let lossless = Feature::Profile(244).to_string();
         assert!(lossless.contains("lossless") && !Feature::Profile(118).to_string().contains("lossless"));
         assert_eq!(Feature::BitDepth(10).to_string(), "H.264 with 10 bits a sample");
-        assert!(Feature::Interlaced.conversion().contains("yadif") && !Feature::Interlaced.filter().is_empty());
-        assert!(Feature::Chroma("4:2:2").limit().contains("4:2:0") && Feature::BitDepth(10).filter().is_empty());
+        assert!(
+            Feature::Interlaced.conversion_options().contains("yadif")
+                && !Feature::Interlaced.filter_options().is_empty()
+        );
+        assert!(
+            Feature::Chroma("4:2:2").supported_range().contains("4:2:0")
+                && Feature::BitDepth(10).filter_options().is_empty()
+        );
     }
 }

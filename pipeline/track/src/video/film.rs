@@ -61,14 +61,14 @@ impl Film {
     /// [`VideoError`] when a frame up to the last of them is damaged.
     pub fn pictures(self, numbers: &[usize], progress: impl Fn(f64)) -> Result<Option<Vec<Gray>>, VideoError> {
         let last = numbers.iter().copied().max().unwrap_or(0);
-        let mut found: Vec<Option<Gray>> = vec![None; numbers.len()];
+        let mut pictures: Vec<Option<Gray>> = vec![None; numbers.len()];
         for frame in self.take(last + 1) {
             let frame = frame?;
-            let wanted = found.iter_mut().zip(numbers).filter(|(_, number)| **number == frame.index);
+            let wanted = pictures.iter_mut().zip(numbers).filter(|(_, number)| **number == frame.index);
             wanted.for_each(|(place, _)| *place = Some(frame.gray.clone()));
             progress(frame.index as f64 / last.max(1) as f64);
         }
-        Ok(found.into_iter().collect())
+        Ok(pictures.into_iter().collect())
     }
 
     /// Size, length and rate of the film, as it is shown.
@@ -87,7 +87,7 @@ impl Film {
 fn ffmpeg_options(refused: &VideoError) -> Option<&'static [&'static str]> {
     match refused {
         VideoError::UnknownCodec { .. } | VideoError::NotMp4 { .. } => Some(&[]),
-        VideoError::Unsupported { feature, .. } => Some(feature.filter()),
+        VideoError::Unsupported { feature, .. } => Some(feature.filter_options()),
         _ => None,
     }
 }
@@ -101,6 +101,6 @@ impl Iterator for Film {
             Source::Folder(folder) => folder.next(),
             Source::Pipe(pipe) => pipe.next(),
         };
-        Some(frame?.map(|f| Frame { gray: self.turn.turn(f.gray), ..f }))
+        Some(frame?.map(|f| Frame { gray: self.turn.turn_picture(f.gray), ..f }))
     }
 }

@@ -26,30 +26,30 @@ pub(super) struct Folder {
 impl Folder {
     /// Opens a folder.
     pub(super) fn open(path: &Path) -> Result<Self, VideoError> {
-        let (files, times) = (listed(path)?, times(&path.join(TIMES))?);
-        Self::of(path, files, times)
+        let (files, times) = (list_pictures(path)?, read_times(&path.join(TIMES))?);
+        Self::of_files(path, files, times)
     }
 
     /// Opens a folder of photographs, which have no times: picture k is that of second k.
     pub(super) fn open_photographs(path: &Path) -> Result<Self, VideoError> {
-        let files = listed(path)?;
+        let files = list_pictures(path)?;
         let times = (0..files.len()).map(|k| k as f64).collect();
-        Self::of(path, files, times)
+        Self::of_files(path, files, times)
     }
 
-    fn of(path: &Path, files: Vec<PathBuf>, times: Vec<Second>) -> Result<Self, VideoError> {
+    fn of_files(path: &Path, files: Vec<PathBuf>, times: Vec<Second>) -> Result<Self, VideoError> {
         let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
         if files.is_empty() || times.len() != files.len() || !rising {
             let (pictures, times) = (files.len(), times.len());
             return Err(VideoError::NoTimes { path: path.into(), pictures, times });
         }
         let mut depth = Depth::default();
-        let first = picture(&files[0], &mut depth)?;
+        let first = read_picture(&files[0], &mut depth)?;
         Ok(Self { files, times, size: (first.width, first.height), depth, shown: 0 })
     }
 
     pub(super) fn info(&self) -> Info {
-        Info::of(self.size, &self.times)
+        Info::of_times(self.size, &self.times)
     }
 
     pub(super) fn next(&mut self) -> Option<Result<Frame, VideoError>> {
@@ -57,7 +57,7 @@ impl Folder {
         let file = self.files.get(index)?;
         self.shown += 1;
         let (expected, why) = (self.files.len(), "it has another size than the first".to_owned());
-        Some(picture(file, &mut self.depth).and_then(|gray| match (gray.width, gray.height) == self.size {
+        Some(read_picture(file, &mut self.depth).and_then(|gray| match (gray.width, gray.height) == self.size {
             true => Ok(Frame { index, time: self.times[index], gray }),
             false => Err(VideoError::Damaged { path: file.clone(), frame: index, expected, why }),
         }))
@@ -70,28 +70,28 @@ pub(super) fn is_of_photographs(path: &Path) -> bool {
 }
 
 /// The pictures of a folder in the order of their names.
-pub(super) fn listed(path: &Path) -> Result<Vec<PathBuf>, VideoError> {
-    let entries = std::fs::read_dir(path).map_err(|e| VideoError::reading(path, e))?;
+pub(super) fn list_pictures(path: &Path) -> Result<Vec<PathBuf>, VideoError> {
+    let entries = std::fs::read_dir(path).map_err(|e| VideoError::reading_error(path, e))?;
     let files: Result<Vec<PathBuf>, _> = entries.map(|entry| entry.map(|e| e.path())).collect();
-    let mut files = files.map_err(|e| VideoError::reading(path, e))?;
+    let mut files = files.map_err(|e| VideoError::reading_error(path, e))?;
     let is_picture = |ending: &std::ffi::OsStr| ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known));
     let is_hidden = |file: &PathBuf| file.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
     files.retain(|file| file.extension().is_some_and(is_picture) && !is_hidden(file));
-    files.sort_by_cached_key(|file| natural(&file.file_name().unwrap_or_default().to_string_lossy()));
+    files.sort_by_cached_key(|file| natural_order(&file.file_name().unwrap_or_default().to_string_lossy()));
     Ok(files)
 }
 
 /// Parts of a name in the order by which they are compared: numbers by their value, then everything letter by letter.
-fn natural(name: &str) -> (Vec<(u128, String)>, String) {
+fn natural_order(name: &str) -> (Vec<(u128, String)>, String) {
     let mut parts = Vec::new();
-    let mut rest = name;
-    while !rest.is_empty() {
-        let letters = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
-        let (word, after) = rest.split_at(letters);
+    let mut remaining = name;
+    while !remaining.is_empty() {
+        let letters = remaining.find(|c: char| c.is_ascii_digit()).unwrap_or(remaining.len());
+        let (word, after) = remaining.split_at(letters);
         let digits = after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len());
         let (number, after) = after.split_at(digits);
         parts.push((word.to_owned(), number.parse().unwrap_or(u128::MAX)));
-        rest = after;
+        remaining = after;
     }
     // the word stands before the number within a part
     (parts.into_iter().flat_map(|(word, number)| [(0, word), (number, String::new())]).collect(), name.to_owned())
@@ -101,8 +101,8 @@ fn natural(name: &str) -> (Vec<(u128, String)>, String) {
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// The times that are numbers, a line each; none when there is no such file.
-fn times(file: &Path) -> Result<Vec<Second>, VideoError> {
-    let (opened, length) = match files::open(file) {
+fn read_times(file: &Path) -> Result<Vec<Second>, VideoError> {
+    let (opened, length) = match files::open_file(file) {
         Err(VideoError::NotFound { .. }) => return Ok(Vec::new()),
         other => other?,
     };
@@ -116,17 +116,17 @@ fn times(file: &Path) -> Result<Vec<Second>, VideoError> {
     }
     let mut bytes = Vec::new();
     // the file may grow while it is read
-    opened.take(MAX_TIMES_BYTES).read_to_end(&mut bytes).map_err(|e| VideoError::reading(file, e))?;
+    opened.take(MAX_TIMES_BYTES).read_to_end(&mut bytes).map_err(|e| VideoError::reading_error(file, e))?;
     let text = String::from_utf8_lossy(&bytes);
     let times = text.lines().filter_map(|line| line.trim().parse().ok());
     Ok(times.filter(|time: &Second| time.is_finite()).collect())
 }
 
 /// A PNG or JPEG, by its first bytes; all pictures of a film have one depth, that of the first.
-pub(super) fn picture(file: &Path, depth: &mut Depth) -> Result<Gray, VideoError> {
-    let (opened, _) = files::open(file)?;
+pub(super) fn read_picture(file: &Path, depth: &mut Depth) -> Result<Gray, VideoError> {
+    let (opened, _) = files::open_file(file)?;
     let damaged = |source| VideoError::Picture { path: file.into(), source };
-    Gray::read(BufReader::new(opened), depth).map_err(damaged)
+    Gray::read_image(BufReader::new(opened), depth).map_err(damaged)
 }
 
 #[cfg(test)]
@@ -165,7 +165,7 @@ mod tests {
         for name in names.iter().rev().chain(&["._img_1.png", ".hidden.jpg", "notes.txt"]) {
             std::fs::write(folder.join(name), "").unwrap();
         }
-        let listed = listed(&folder).unwrap();
+        let listed = list_pictures(&folder).unwrap();
         std::fs::remove_dir_all(&folder).unwrap();
         let found: Vec<_> = listed.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(
@@ -191,7 +191,9 @@ mod tests {
         let folder = folder("jpeg", &jpeg, "0.0\n");
         std::fs::rename(folder.join("000.png"), folder.join("000.JPG")).unwrap();
         let frame = Folder::open(&folder).unwrap().next().unwrap().unwrap();
-        assert!((frame.gray.at(2, 8) - 40.0).abs() < 6.0 && (frame.gray.at(13, 8) - 200.0).abs() < 6.0);
+        assert!(
+            (frame.gray.pixel_level(2, 8) - 40.0).abs() < 6.0 && (frame.gray.pixel_level(13, 8) - 200.0).abs() < 6.0
+        );
         std::fs::remove_file(folder.join(TIMES)).unwrap();
         let said = Folder::open(&folder).err().unwrap().to_string();
         assert!(said.contains("it has 1 pictures (PNG, JPEG) and 0 rising times"), "{said}");

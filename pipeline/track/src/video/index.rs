@@ -31,19 +31,19 @@ pub(super) struct Index {
 ///
 /// # Errors
 /// [`VideoError`]: not an MP4, damaged, cut short, too large, or not of a kind that is decoded.
-pub(super) fn read(mut source: Source) -> Result<Index, VideoError> {
+pub(super) fn read_index(mut source: Source) -> Result<Index, VideoError> {
     let (bytes, path) = (source.bytes, source.path);
-    let found = source.index()?;
-    let moov = found.moov(path);
+    let index_bytes = source.find_index()?;
+    let moov = index_bytes.moov_box(path);
     check_plain(&moov)?;
     let (trak, avc1) = film_track(&moov)?;
-    let mdia = trak.need(b"mdia")?;
-    let stbl = mdia.need(b"minf")?.need(b"stbl")?;
-    let samples = tables::samples(&stbl, bytes)?;
+    let mdia = trak.required_child(b"mdia")?;
+    let stbl = mdia.required_child(b"minf")?.required_child(b"stbl")?;
+    let samples = tables::read_samples(&stbl, bytes)?;
     check_whole(&samples, bytes, path)?;
-    let avc = avc::read(&avc1)?;
-    let (displayed, times) = displayed(&moov, &trak, samples.len())?;
-    let turn = turn(&trak.need(b"tkhd")?)?;
+    let avc = avc::read_avc(&avc1)?;
+    let (displayed, times) = displayed_frames(&moov, &trak, samples.len())?;
+    let turn = quarter_turn(&trak.required_child(b"tkhd")?)?;
     let avc::Avc { width, height, parameters, length_bytes } = avc;
     Ok(Index { width, height, turn, samples, displayed, times, parameters, length_bytes })
 }
@@ -56,7 +56,8 @@ fn film_track<'a>(moov: &Mp4Box<'a>) -> Result<(Mp4Box<'a>, Mp4Box<'a>), VideoEr
         if &trak.name != b"trak" {
             continue;
         }
-        let stsd = trak.need(b"mdia")?.need(b"minf")?.need(b"stbl")?.need(b"stsd")?;
+        let stsd =
+            trak.required_child(b"mdia")?.required_child(b"minf")?.required_child(b"stbl")?.required_child(b"stsd")?;
         for entry in stsd.children_behind(8)? {
             let entry = entry?;
             if &entry.name == b"avc1" {
@@ -74,7 +75,7 @@ fn film_track<'a>(moov: &Mp4Box<'a>) -> Result<(Mp4Box<'a>, Mp4Box<'a>), VideoEr
 /// Whether the index lists all frames, and in the open.
 fn check_plain(moov: &Mp4Box) -> Result<(), VideoError> {
     for (name, feature) in [(b"mvex", Feature::Fragments), (b"cmov", Feature::CompressedIndex)] {
-        if moov.child(name)?.is_some() {
+        if moov.find_child(name)?.is_some() {
             return Err(VideoError::Unsupported { path: moov.path.into(), feature });
         }
     }
@@ -89,40 +90,40 @@ fn check_whole(samples: &[Sample], bytes: u64, path: &Path) -> Result<(), VideoE
 }
 
 /// Which frames are displayed, and their times.
-fn displayed(moov: &Mp4Box, trak: &Mp4Box, count: usize) -> Result<(Range<usize>, Vec<Second>), VideoError> {
-    let mdia = trak.need(b"mdia")?;
-    let ticks = tables::display_ticks(&mdia.need(b"minf")?.need(b"stbl")?, count)?;
-    let edit = edits::read(trak)?;
-    let track = timescale(&mdia.need(b"mdhd")?)?;
+fn displayed_frames(moov: &Mp4Box, trak: &Mp4Box, count: usize) -> Result<(Range<usize>, Vec<Second>), VideoError> {
+    let mdia = trak.required_child(b"mdia")?;
+    let ticks = tables::display_ticks(&mdia.required_child(b"minf")?.required_child(b"stbl")?, count)?;
+    let edit = edits::read_edit(trak)?;
+    let track = timescale(&mdia.required_child(b"mdhd")?)?;
     let (frames, delay) = match edit {
         None => (0..count, 0.0),
         Some(edit) => {
-            let clocks = Clocks { movie: timescale(&moov.need(b"mvhd")?)?, track };
-            (edit.frames(&ticks, clocks), edit.delay(clocks))
+            let clocks = Clocks { movie: timescale(&moov.required_child(b"mvhd")?)?, track };
+            (edit.frame_range(&ticks, clocks), edit.start_delay(clocks))
         }
     };
-    let kept = &ticks.starts[frames.clone()];
-    let Some(&first) = kept.first() else {
+    let displayed_ticks = &ticks.starts[frames.clone()];
+    let Some(&first) = displayed_ticks.first() else {
         let why = format!("its edit list displays none of its {count} frames");
         return Err(VideoError::Edits { path: moov.path.into(), why });
     };
     let time = |&tick: &i64| delay + (tick - first) as f64 / f64::from(track);
-    Ok((frames, kept.iter().map(time).collect()))
+    Ok((frames, displayed_ticks.iter().map(time).collect()))
 }
 
 /// Ticks a second of a header of the movie (mvhd) or of a track's media (mdhd).
 fn timescale(header: &Mp4Box) -> Result<u32, VideoError> {
     // two times of 32 or 64 bits stand in front
-    let at = if header.version()? == 1 { 20 } else { 12 };
-    match header.number(at)? {
+    let ticks_offset = if header.version()? == 1 { 20 } else { 12 };
+    match header.number_at(ticks_offset)? {
         0 => Err(header.refuse("its clock has no ticks a second")),
         ticks => Ok(ticks),
     }
 }
 
 /// How the pictures of a track want to be turned, from the matrix of its header.
-fn turn(tkhd: &Mp4Box) -> Result<Quarter, VideoError> {
+fn quarter_turn(tkhd: &Mp4Box) -> Result<Quarter, VideoError> {
     let matrix = if tkhd.version()? == 1 { 52 } else { 40 };
-    let number = |k: usize| tkhd.number(matrix + 4 * k).map(u32::cast_signed);
+    let number = |k: usize| tkhd.number_at(matrix + 4 * k).map(u32::cast_signed);
     Ok(Quarter::of_matrix(number(0)?, number(1)?, number(3)?, number(4)?).unwrap_or_default())
 }

@@ -45,7 +45,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`VideoError`] when the folder cannot be read.
 pub fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, VideoError> {
-    folder::listed(folder)
+    folder::list_pictures(folder)
 }
 
 /// A picture by itself, with the levels of its own depth.
@@ -53,7 +53,7 @@ pub fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, VideoError> {
 /// # Errors
 /// [`VideoError`] when it cannot be read.
 pub fn picture(file: &Path) -> Result<Gray, VideoError> {
-    folder::picture(file, &mut Depth::default())
+    folder::read_picture(file, &mut Depth::default())
 }
 
 /// Metadata of a film.
@@ -71,7 +71,7 @@ pub struct Info {
 
 impl Info {
     /// Of pictures of a size that are shown at these times (s).
-    fn of((width, height): (usize, usize), times: &[Second]) -> Self {
+    fn of_times((width, height): (usize, usize), times: &[Second]) -> Self {
         let span = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
         let rate = if span > 0.0 { (times.len() - 1) as f64 / span } else { 0.0 };
         Self { width, height, frames: times.len(), rate }

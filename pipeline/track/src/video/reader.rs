@@ -34,18 +34,18 @@ impl Reader {
     /// # Errors
     /// [`VideoError`] when it is not there, not an MP4, cut short, or coded in another way than H.264.
     pub fn open(path: &Path) -> Result<Self, VideoError> {
-        let (mut file, bytes) = files::open(path)?;
-        let index = index::read(Source { path, file: &mut file, bytes })?;
+        let (mut file, bytes) = files::open_file(path)?;
+        let index = index::read_index(Source { path, file: &mut file, bytes })?;
         let config = DecoderConfig::new().flush_after_decode(Flush::NoFlush);
         let decoder = Decoder::with_api_config(OpenH264API::from_source(), config);
-        let decoder = decoder.map_err(|e| damaged(path, 0, &index, e.to_string()))?;
+        let decoder = decoder.map_err(|e| damage_at(path, 0, &index, e.to_string()))?;
         let (delay, packet) = (VecDeque::new(), Vec::new());
         Ok(Self { path: path.into(), file, index, decoder, fed: 0, made: 0, delay, ended: false, packet })
     }
 
     /// Size, length and rate of the film.
     pub fn info(&self) -> Info {
-        Info::of((self.index.width, self.index.height), &self.index.times)
+        Info::of_times((self.index.width, self.index.height), &self.index.times)
     }
 
     /// Rotation with which its pictures are displayed; they are returned as coded.
@@ -54,45 +54,45 @@ impl Reader {
     }
 
     /// The next picture of the decoder, none when all have come.
-    fn picture(&mut self) -> Result<Option<Gray>, VideoError> {
+    fn decode_picture(&mut self) -> Result<Option<Gray>, VideoError> {
         while self.fed < self.index.samples.len() {
-            self.load()?;
+            self.load_sample()?;
             let frame = self.fed;
             self.fed += 1;
             let decoded = self.decoder.decode(&self.packet);
-            let decoded = decoded.map_err(|e| damaged(&self.path, frame, &self.index, e.to_string()))?;
+            let decoded = decoded.map_err(|e| damage_at(&self.path, frame, &self.index, e.to_string()))?;
             if let Some(picture) = decoded {
-                return Ok(Some(luma(&picture)));
+                return Ok(Some(luma_picture(&picture)));
             }
         }
         if !self.ended {
             self.ended = true;
-            let rest = self.decoder.flush_remaining();
-            let rest = rest.map_err(|e| damaged(&self.path, self.made, &self.index, e.to_string()))?;
-            self.delay = rest.iter().map(luma).collect();
+            let flushed = self.decoder.flush_remaining();
+            let flushed = flushed.map_err(|e| damage_at(&self.path, self.made, &self.index, e.to_string()))?;
+            self.delay = flushed.iter().map(luma_picture).collect();
         }
         Ok(self.delay.pop_front())
     }
 
     /// Puts sample `fed` into `packet` in the form of the decoder: start codes for lengths, parameter sets in front.
-    fn load(&mut self) -> Result<(), VideoError> {
+    fn load_sample(&mut self) -> Result<(), VideoError> {
         let sample = self.index.samples[self.fed];
         let mut coded = vec![0; sample.size as usize];
-        let disk = |e| VideoError::reading(&self.path, e);
+        let disk = |e| VideoError::reading_error(&self.path, e);
         self.file.seek(SeekFrom::Start(sample.offset)).map_err(disk)?;
         self.file.read_exact(&mut coded).map_err(disk)?;
         self.packet.clear();
         if self.fed == 0 {
             self.packet.extend_from_slice(&self.index.parameters);
         }
-        let mut rest = &coded[..];
-        while !rest.is_empty() {
-            let refused = |why: String| damaged(&self.path, self.fed, &self.index, why);
-            let found = split_unit(rest, self.index.length_bytes);
+        let mut remaining = &coded[..];
+        while !remaining.is_empty() {
+            let refused = |why: String| damage_at(&self.path, self.fed, &self.index, why);
+            let split = split_unit(remaining, self.index.length_bytes);
             let (unit, behind) =
-                found.ok_or_else(|| refused(format!("its {} bytes do not fall into whole units", coded.len())))?;
-            rest = behind;
-            avc::check(&self.path, unit, || refused("its sequence parameter set is out of range".into()))?;
+                split.ok_or_else(|| refused(format!("its {} bytes do not fall into whole units", coded.len())))?;
+            remaining = behind;
+            avc::check_unit(&self.path, unit, || refused("its sequence parameter set is out of range".into()))?;
             self.packet.extend_from_slice(&super::writer::START_CODE);
             self.packet.extend_from_slice(unit);
         }
@@ -100,15 +100,20 @@ impl Reader {
     }
 
     /// The next picture as frame `index` of the film.
-    fn frame(&mut self, index: usize) -> Result<Frame, VideoError> {
-        let made = self.made;
-        match self.picture()? {
+    fn next_frame(&mut self, index: usize) -> Result<Frame, VideoError> {
+        let decoded_count = self.made;
+        match self.decode_picture()? {
             Some(gray) if (gray.width, gray.height) != (self.index.width, self.index.height) => {
                 let why = format!("it has {} × {} px, the film another size", gray.width, gray.height);
-                Err(damaged(&self.path, made, &self.index, why))
+                Err(damage_at(&self.path, decoded_count, &self.index, why))
             }
             Some(gray) => Ok(Frame { index, time: self.index.times[index], gray }),
-            None => Err(damaged(&self.path, made, &self.index, format!("the decoder made {made} pictures in all"))),
+            None => Err(damage_at(
+                &self.path,
+                decoded_count,
+                &self.index,
+                format!("the decoder made {decoded_count} pictures in all"),
+            )),
         }
     }
 }
@@ -121,7 +126,7 @@ impl Iterator for Reader {
         while self.made < displayed.end {
             // frames in front of the edit are references of later ones: decoded, and then left out
             let index = self.made.saturating_sub(displayed.start);
-            let item = self.frame(index);
+            let item = self.next_frame(index);
             let is_displayed = displayed.contains(&self.made);
             self.made = if item.is_ok() { self.made + 1 } else { displayed.end };
             if is_displayed || item.is_err() {
@@ -140,13 +145,13 @@ fn split_unit(coded: &[u8], length_bytes: usize) -> Option<(&[u8], &[u8])> {
 }
 
 /// Damage at a picture, numbered among the frames of the film.
-fn damaged(path: &Path, picture: usize, index: &Index, why: String) -> VideoError {
+fn damage_at(path: &Path, picture: usize, index: &Index, why: String) -> VideoError {
     let frame = picture.saturating_sub(index.displayed.start);
     VideoError::Damaged { path: path.into(), frame, expected: index.displayed.len(), why }
 }
 
 /// The luma of a decoded picture without the decoder's padding.
-fn luma(picture: &DecodedYUV) -> Gray {
+fn luma_picture(picture: &DecodedYUV) -> Gray {
     let ((width, height), (stride, _, _)) = (picture.dimensions(), picture.strides());
     let mut pixels = Vec::with_capacity(width * height);
     for row in picture.y().chunks(stride).take(height) {

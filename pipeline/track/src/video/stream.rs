@@ -73,7 +73,7 @@ mod elsewhere {
 
     impl Stream {
         /// The thread ends with the output, or when the stream is dropped.
-        fn of(mut output: Option<impl Read + Send + 'static>, wait: Duration) -> Self {
+        fn reading_from(mut output: Option<impl Read + Send + 'static>, wait: Duration) -> Self {
             let (sender, pieces) = sync_channel(4);
             std::thread::spawn(move || {
                 let mut buffer = vec![0; 1 << 16];

@@ -25,13 +25,15 @@ pub(super) struct DisplayTicks {
 }
 
 /// Offset and size of every sample in the order of decoding, from the sample table `stbl` of a film of `bytes` bytes.
-pub(super) fn samples(stbl: &Mp4Box, bytes: u64) -> Result<Vec<Sample>, VideoError> {
-    let sizes = sizes(&stbl.need(b"stsz")?, bytes)?;
-    let stsc = stbl.need(b"stsc")?.rows(4, 12)?;
+pub(super) fn read_samples(stbl: &Mp4Box, bytes: u64) -> Result<Vec<Sample>, VideoError> {
+    let sizes = sample_sizes(&stbl.required_child(b"stsz")?, bytes)?;
+    let stsc = stbl.required_child(b"stsc")?.table_rows(4, 12)?;
     let runs = stsc.map(|row| (number(row), number(&row[4..])));
-    let placed = match stbl.child(b"co64")? {
-        Some(table) => place(&sizes, table.rows(4, 8)?.map(long_number), runs),
-        None => place(&sizes, stbl.need(b"stco")?.rows(4, 4)?.map(|row| number(row).into()), runs),
+    let placed = match stbl.find_child(b"co64")? {
+        Some(table) => place_samples(&sizes, table.table_rows(4, 8)?.map(long_number), runs),
+        None => {
+            place_samples(&sizes, stbl.required_child(b"stco")?.table_rows(4, 4)?.map(|row| number(row).into()), runs)
+        }
     };
     let contradiction = || {
         let count = sizes.len();
@@ -41,11 +43,11 @@ pub(super) fn samples(stbl: &Mp4Box, bytes: u64) -> Result<Vec<Sample>, VideoErr
 }
 
 /// The size of every sample.
-fn sizes(stsz: &Mp4Box, bytes: u64) -> Result<Vec<u64>, VideoError> {
-    let (same, count) = (u64::from(stsz.number(4)?), u64::from(stsz.number(8)?));
+fn sample_sizes(stsz: &Mp4Box, bytes: u64) -> Result<Vec<u64>, VideoError> {
+    let (same, count) = (u64::from(stsz.number_at(4)?), u64::from(stsz.number_at(8)?));
     check_count(stsz, (same, count), bytes)?;
     let sizes: Vec<u64> = match same {
-        0 => stsz.rows(8, 4)?.map(|row| number(row).into()).collect(),
+        0 => stsz.table_rows(8, 4)?.map(|row| number(row).into()).collect(),
         same => repeat_n(same, count as usize).collect(),
     };
     match sizes.iter().position(|&size| size > MAX_CODED_BYTES) {
@@ -72,7 +74,7 @@ fn check_count(stsz: &Mp4Box, (same, count): (u64, u64), bytes: u64) -> Result<(
 /// Chunks begin at the offsets of the table, samples follow each other inside a chunk.
 ///
 /// `runs` holds (first chunk, from 1; samples in each chunk from there on). None when the tables do not fit together.
-fn place(
+fn place_samples(
     sizes: &[u64],
     chunks: impl Iterator<Item = u64>,
     runs: impl Iterator<Item = (u32, u32)>,
@@ -95,17 +97,17 @@ fn place(
 
 /// When each of `count` samples is displayed.
 pub(super) fn display_ticks(stbl: &Mp4Box, count: usize) -> Result<DisplayTicks, VideoError> {
-    let stts = stbl.need(b"stts")?;
-    let steps = stts.rows(4, 8)?.map(|row| (number(row), number(&row[4..])));
-    let found = match stbl.child(b"ctts")? {
+    let stts = stbl.required_child(b"stts")?;
+    let steps = stts.table_rows(4, 8)?.map(|row| (number(row), number(&row[4..])));
+    let presentation_times = match stbl.find_child(b"ctts")? {
         None => ticks(count, steps, std::iter::empty()),
         Some(ctts) => {
             // version 0 holds unsigned shifts by its text; writers put negative ones into it, and none needs 2^31 ticks
-            let rows = ctts.rows(4, 8)?;
+            let rows = ctts.table_rows(4, 8)?;
             ticks(count, steps, rows.map(|row| (number(row), number(&row[4..]).cast_signed())))
         }
     };
-    found.ok_or_else(|| stts.refuse(format!("it gives fewer times than the {count} samples of the film")))
+    presentation_times.ok_or_else(|| stts.refuse(format!("it gives fewer times than the {count} samples of the film")))
 }
 
 /// Times of display, sorted: times of decoding plus the shifts of frames that are coded out of order.
@@ -146,8 +148,9 @@ mod tests {
 
     #[test]
     fn samples_follow_each_other_inside_their_chunks() {
-        let samples =
-            |chunks: &[u64], runs: &[(u32, u32)]| place(&[5, 6, 7, 8], chunks.iter().copied(), runs.iter().copied());
+        let samples = |chunks: &[u64], runs: &[(u32, u32)]| {
+            place_samples(&[5, 6, 7, 8], chunks.iter().copied(), runs.iter().copied())
+        };
         let found = samples(&[100, 300], &[(1, 3), (2, 1)]).unwrap();
         assert_eq!(found.iter().map(|s| s.offset).collect::<Vec<_>>(), [100, 105, 111, 300]);
         assert!(samples(&[100], &[(1, 3)]).is_none());
@@ -182,7 +185,7 @@ mod tests {
     fn a_number_of_samples_is_held_against_the_film_before_memory_is_reserved() {
         let read = |stsz: &[u32], bytes| {
             let content = stbl(stsz);
-            samples(&parent(b"stbl", &content), bytes).map(|found| found.len())
+            read_samples(&parent(b"stbl", &content), bytes).map(|found| found.len())
         };
         assert_eq!(read(&[0, 160, 9], 2000).unwrap(), 9);
         for count in [200_000_000, u32::MAX] {

@@ -37,10 +37,10 @@ impl Quarter {
     }
 
     /// The turned picture.
-    pub fn turn(self, picture: Gray) -> Gray {
+    pub(crate) fn turn_picture(self, picture: Gray) -> Gray {
         let (w, h) = (picture.width, picture.height);
         let (width, height) = self.size((w, h));
-        let from = |x: usize, y: usize| match self {
+        let source_pixel = |x: usize, y: usize| match self {
             Self::None => (x, y),
             Self::Right => (y, h - 1 - x),
             Self::Half => (w - 1 - x, h - 1 - y),
@@ -49,7 +49,7 @@ impl Quarter {
         if self == Self::None {
             return picture;
         }
-        let places = (0..width * height).map(|i| from(i % width, i / width));
+        let places = (0..width * height).map(|i| source_pixel(i % width, i / width));
         let pixels = places.map(|(x, y)| picture.pixels[y * w + x]).collect();
         Gray { width, height, pixels }
     }
@@ -63,12 +63,12 @@ mod tests {
     fn four_quarters_are_a_whole_and_a_right_one_brings_the_left_column_up() {
         let picture = Gray::from_fn(5, 3, |x, y| (10 * x + y) as f64);
         let mut turned = picture.clone();
-        (0..4).for_each(|_| turned = Quarter::Right.turn(turned.clone()));
+        (0..4).for_each(|_| turned = Quarter::Right.turn_picture(turned.clone()));
         assert_eq!(turned, picture);
-        let right = Quarter::Right.turn(picture.clone());
+        let right = Quarter::Right.turn_picture(picture.clone());
         assert_eq!((right.width, right.height), (3, 5));
-        assert_eq!(right.at(2, 0), picture.at(0, 0));
-        assert_eq!(Quarter::Left.turn(right), picture);
-        assert_eq!(Quarter::Half.turn(Quarter::Half.turn(picture.clone())), picture);
+        assert_eq!(right.pixel_level(2, 0), picture.pixel_level(0, 0));
+        assert_eq!(Quarter::Left.turn_picture(right), picture);
+        assert_eq!(Quarter::Half.turn_picture(Quarter::Half.turn_picture(picture.clone())), picture);
     }
 }

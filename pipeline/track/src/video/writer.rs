@@ -58,10 +58,11 @@ impl Writer {
     /// # Errors
     /// [`VideoError`] when the size is odd or too large for the codec, the rate or quality has no meaning, or the disk refuses.
     pub fn create(path: &Path, size: (usize, usize), rate: Hertz, quality: Quality) -> Result<Self, VideoError> {
-        check(path, size, rate, quality)?;
+        check_options(path, size, rate, quality)?;
         let (width, height) = size;
-        let config = settings(rate, quality);
-        let encoder = Encoder::with_api_config(OpenH264API::from_source(), config).map_err(|e| codec(path, 0, &e))?;
+        let config = encoder_settings(rate, quality);
+        let encoder =
+            Encoder::with_api_config(OpenH264API::from_source(), config).map_err(|e| codec_error(path, 0, &e))?;
         let chroma = vec![NO_COLOUR; width * height / 4];
         Ok(Self { path: path.into(), width, height, rate, encoder, chroma, file: None, frames: 0 })
     }
@@ -76,23 +77,23 @@ impl Writer {
                 "picture {} has {} × {} px, the film {} × {}",
                 self.frames, picture.width, picture.height, self.width, self.height
             );
-            return Err(unfit(&self.path, why, "give all pictures of a film one size"));
+            return Err(unfit_error(&self.path, why, "give all pictures of a film one size"));
         }
         if let Err(error) = picture.check() {
-            return Err(unfit(&self.path, error.why(), error.action()));
+            return Err(unfit_error(&self.path, error.why(), error.action()));
         }
         let half = self.width / 2;
         let planes = (&picture.pixels[..], &self.chroma[..], &self.chroma[..]);
         let yuv = YUVSlices::new(planes, (self.width, self.height), (self.width, half, half));
         for _ in 0..SKIPS {
-            let coded = self.encoder.encode(&yuv).map_err(|e| codec(&self.path, self.frames, &e))?;
+            let coded = self.encoder.encode(&yuv).map_err(|e| codec_error(&self.path, self.frames, &e))?;
             let is_sync = matches!(coded.frame_type(), FrameType::IDR | FrameType::I);
             let stream = coded.to_vec();
             if !stream.is_empty() {
-                return self.store(&stream, is_sync);
+                return self.store_picture(&stream, is_sync);
             }
         }
-        Err(unfit(&self.path, format!("picture {} does not fit the bit rate", self.frames), "raise the bit rate"))
+        Err(unfit_error(&self.path, format!("picture {} does not fit the bit rate", self.frames), "raise the bit rate"))
     }
 
     /// Ends the film: writes its index. Without this call the file cannot be read.
@@ -101,15 +102,15 @@ impl Writer {
     /// [`VideoError`] when no picture was given or the disk is full.
     pub fn finish(mut self) -> Result<(), VideoError> {
         let Some(mut file) = self.file.take() else {
-            return Err(unfit(&self.path, "it has no picture".into(), "push one before finishing"));
+            return Err(unfit_error(&self.path, "it has no picture".into(), "push one before finishing"));
         };
-        let failed = |e| container(&self.path, e);
+        let failed = |e| container_error(&self.path, e);
         file.write_end().map_err(failed)?;
-        let inner = file.into_writer().into_inner().map_err(|e| disk(&self.path, e.into_error()))?;
-        inner.sync_all().map_err(|e| disk(&self.path, e))
+        let inner = file.into_writer().into_inner().map_err(|e| disk_error(&self.path, e.into_error()))?;
+        inner.sync_all().map_err(|e| disk_error(&self.path, e))
     }
 
-    fn store(&mut self, stream: &[u8], is_sync: bool) -> Result<(), VideoError> {
+    fn store_picture(&mut self, stream: &[u8], is_sync: bool) -> Result<(), VideoError> {
         let (mut sample, mut sequence, mut picture) = (Vec::with_capacity(stream.len() + 16), None, None);
         for unit in openh264::nal_units(stream).map(|u| &u[start_code_length(u)..]) {
             match unit.first().map(|b| b & 0x1f) {
@@ -123,19 +124,19 @@ impl Writer {
             }
         }
         if self.file.is_none() {
-            self.file = Some(self.begin(sequence.unwrap_or_default(), picture.unwrap_or_default())?);
+            self.file = Some(self.begin_file(sequence.unwrap_or_default(), picture.unwrap_or_default())?);
         }
         let start_time = self.frames as u64 * u64::from(TICKS_A_FRAME);
         let sample =
             Mp4Sample { start_time, duration: TICKS_A_FRAME, rendering_offset: 0, is_sync, bytes: sample.into() };
         if let Some(file) = &mut self.file {
-            file.write_sample(1, &sample).map_err(|e| container(&self.path, e))?;
+            file.write_sample(1, &sample).map_err(|e| container_error(&self.path, e))?;
         }
         self.frames += 1;
         Ok(())
     }
 
-    fn begin(&self, sequence: &[u8], picture: &[u8]) -> Result<Mp4Writer<BufWriter<File>>, VideoError> {
+    fn begin_file(&self, sequence: &[u8], picture: &[u8]) -> Result<Mp4Writer<BufWriter<File>>, VideoError> {
         let timescale = (self.rate * f64::from(TICKS_A_FRAME)).round() as u32;
         let config = Mp4Config {
             major_brand: (*b"isom").into(),
@@ -155,15 +156,15 @@ impl Writer {
             language: "und".into(),
             media_conf: MediaConfig::AvcConfig(film),
         };
-        let out = BufWriter::new(File::create(&self.path).map_err(|e| disk(&self.path, e))?);
-        let mut file = Mp4Writer::write_start(out, &config).map_err(|e| container(&self.path, e))?;
-        file.add_track(&track).map_err(|e| container(&self.path, e))?;
+        let out = BufWriter::new(File::create(&self.path).map_err(|e| disk_error(&self.path, e))?);
+        let mut file = Mp4Writer::write_start(out, &config).map_err(|e| container_error(&self.path, e))?;
+        file.add_track(&track).map_err(|e| container_error(&self.path, e))?;
         Ok(file)
     }
 }
 
 /// Camera mode of the encoder in one thread, without options that take bits from still regions.
-fn settings(rate: Hertz, quality: Quality) -> EncoderConfig {
+fn encoder_settings(rate: Hertz, quality: Quality) -> EncoderConfig {
     let config = EncoderConfig::new()
         .max_frame_rate(FrameRate::from_hz(rate as f32))
         .usage_type(UsageType::CameraVideoRealTime)
@@ -190,21 +191,26 @@ const UNBOUND: BitRate = BitRate::from_bps(50_000_000);
 /// The finest quantiser of the encoder.
 const FINEST: u8 = 12;
 
-fn check(path: &Path, (width, height): (usize, usize), rate: Hertz, quality: Quality) -> Result<(), VideoError> {
-    let whole = |v: usize| v.is_multiple_of(2) && (16..=3840).contains(&v);
-    if !whole(width) || !whole(height) {
+fn check_options(
+    path: &Path,
+    (width, height): (usize, usize),
+    rate: Hertz,
+    quality: Quality,
+) -> Result<(), VideoError> {
+    let is_valid_side = |v: usize| v.is_multiple_of(2) && (16..=3840).contains(&v);
+    if !is_valid_side(width) || !is_valid_side(height) {
         let why = format!("{width} × {height} px; H.264 takes even sizes of 16 … 3840 px");
-        return Err(unfit(path, why, "choose an even size within that"));
+        return Err(unfit_error(path, why, "choose an even size within that"));
     }
     if !(rate.is_finite() && (0.01..=1000.0).contains(&rate)) {
-        return Err(unfit(path, format!("{rate} frames/s"), "choose a rate of 0.01 … 1000 frames/s"));
+        return Err(unfit_error(path, format!("{rate} frames/s"), "choose a rate of 0.01 … 1000 frames/s"));
     }
     match quality {
         Quality::Quantiser(step) if !(FINEST..=51).contains(&step) => {
-            Err(unfit(path, format!("a quantiser of {step}"), "choose one of 12 … 51"))
+            Err(unfit_error(path, format!("a quantiser of {step}"), "choose one of 12 … 51"))
         }
         Quality::BitsPerSecond(bits) if !(1000..=2_000_000_000).contains(&bits) => {
-            Err(unfit(path, format!("{bits} bits/s"), "choose 1e3 … 2e9 bits/s"))
+            Err(unfit_error(path, format!("{bits} bits/s"), "choose 1e3 … 2e9 bits/s"))
         }
         _ => Ok(()),
     }
@@ -214,21 +220,21 @@ fn start_code_length(unit: &[u8]) -> usize {
     unit.iter().position(|&b| b == 1).map_or(0, |i| i + 1)
 }
 
-fn unfit(path: &Path, why: String, action: &'static str) -> VideoError {
+fn unfit_error(path: &Path, why: String, action: &'static str) -> VideoError {
     VideoError::Unfit { path: path.into(), why, action }
 }
 
-fn codec(path: &Path, frame: usize, error: &openh264::Error) -> VideoError {
-    unfit(path, format!("the encoder refuses picture {frame}: {error}"), "check the size and rate of the film")
+fn codec_error(path: &Path, frame: usize, error: &openh264::Error) -> VideoError {
+    unfit_error(path, format!("the encoder refuses picture {frame}: {error}"), "check the size and rate of the film")
 }
 
-fn container(path: &Path, error: mp4::Error) -> VideoError {
+fn container_error(path: &Path, error: mp4::Error) -> VideoError {
     match error {
-        mp4::Error::IoError(source) => disk(path, source),
-        other => unfit(path, other.to_string(), "check the size and rate of the film"),
+        mp4::Error::IoError(source) => disk_error(path, source),
+        other => unfit_error(path, other.to_string(), "check the size and rate of the film"),
     }
 }
 
-fn disk(path: &Path, source: std::io::Error) -> VideoError {
+fn disk_error(path: &Path, source: std::io::Error) -> VideoError {
     VideoError::Disk { path: path.into(), doing: "written", source }
 }

@@ -171,7 +171,7 @@ fn places(sight: &RefractiveCamera, shutter: &Shutter, tracks: &Tracks, heights:
             .iter()
             .enumerate()
             .map(|(frame, &pixel)| sight.intersect(pixel, *height).ok_or_else(|| no_ray(&path.name, frame, pixel)));
-        let read: Vec<Second> = tracks.time.iter().zip(&path.at).map(|(t, [_, v])| t + shutter.delay(*v)).collect();
+        let read: Vec<Second> = tracks.time.iter().zip(&path.at).map(|(t, [_, v])| t + shutter.row_delay(*v)).collect();
         Ok(shutter::at_times(&tracks.time, &read, &met.collect::<Result<Vec<_>>>()?))
     };
     tracks.markers.iter().zip(heights).map(one).collect()

@@ -169,7 +169,7 @@ pub fn imported(card: &Card, set: klt::Settings, frames: usize, context: &dyn St
     // length: a covariance for each place
     let places = |t: &lab::pixels::PixelTrack| t.at.clone().into_iter().zip(t.covariance.clone());
     let mut tracks: Vec<_> = read.iter().map(|t| ImportedTrack::new(&t.name, places(t))).collect();
-    imported::accept(&mut tracks, &Limits::of(&set)).map_err(|e| in_file(e.into()))?;
+    imported::check_tracks(&mut tracks, &Limits::from_settings(&set)).map_err(|e| in_file(e.into()))?;
     Ok(tracks.iter().map(Path::imported).collect())
 }
 

@@ -44,14 +44,14 @@ struct Other {
 
 const OTHERS: [Other; 6] = [
     Other { name: "DICT_ARUCO_ORIGINAL", side: 5, count: 1024, correctable: 1, codes: None },
-    tabled("DICT_APRILTAG_16H5", 4, [30, 2], include_str!("dictionaries/apriltag_16h5.txt")),
-    tabled("DICT_APRILTAG_25H9", 5, [35, 4], include_str!("dictionaries/apriltag_25h9.txt")),
-    tabled("DICT_APRILTAG_36H10", 6, [2320, 4], include_str!("dictionaries/apriltag_36h10.txt")),
-    tabled("DICT_APRILTAG_36H11", 6, [587, 5], include_str!("dictionaries/apriltag_36h11.txt")),
-    tabled("DICT_ARUCO_MIP_36H12", 6, [250, 5], include_str!("dictionaries/mip_36h12.txt")),
+    from_table("DICT_APRILTAG_16H5", 4, [30, 2], include_str!("dictionaries/apriltag_16h5.txt")),
+    from_table("DICT_APRILTAG_25H9", 5, [35, 4], include_str!("dictionaries/apriltag_25h9.txt")),
+    from_table("DICT_APRILTAG_36H10", 6, [2320, 4], include_str!("dictionaries/apriltag_36h10.txt")),
+    from_table("DICT_APRILTAG_36H11", 6, [587, 5], include_str!("dictionaries/apriltag_36h11.txt")),
+    from_table("DICT_ARUCO_MIP_36H12", 6, [250, 5], include_str!("dictionaries/mip_36h12.txt")),
 ];
 
-const fn tabled(name: &'static str, side: usize, [count, correctable]: [u32; 2], codes: &'static str) -> Other {
+const fn from_table(name: &'static str, side: usize, [count, correctable]: [u32; 2], codes: &'static str) -> Other {
     Other { name, side, count: count as usize, correctable, codes: Some(codes) }
 }
 
@@ -71,7 +71,7 @@ impl std::str::FromStr for Dictionary {
     fn from_str(name: &str) -> Result<Self, UnknownDictionary> {
         let upper = name.trim().to_ascii_uppercase();
         let same = |dictionary: &Self| dictionary.to_string().to_ascii_uppercase() == upper;
-        Self::all().find(same).ok_or_else(|| UnknownDictionary { name: name.to_owned() })
+        Self::all_dictionaries().find(same).ok_or_else(|| UnknownDictionary { name: name.to_owned() })
     }
 }
 
@@ -99,11 +99,17 @@ impl Dictionary {
     }
 
     /// Every dictionary, OpenCV's own first, small ones before large ones.
-    pub(super) fn all() -> impl Iterator<Item = Self> {
-        let others = OTHERS.iter().enumerate();
-        let other =
-            |(place, of): (usize, &Other)| Self { side: of.side, count: of.count, family: Family::Other(place) };
-        SIZES.iter().flat_map(|&(side, ..)| COUNTS.map(|count| Self::opencv(side, count))).chain(others.map(other))
+    pub(super) fn all_dictionaries() -> impl Iterator<Item = Self> {
+        let other_families = OTHERS.iter().enumerate();
+        let other = |(index, family): (usize, &Other)| Self {
+            side: family.side,
+            count: family.count,
+            family: Family::Other(index),
+        };
+        SIZES
+            .iter()
+            .flat_map(|&(side, ..)| COUNTS.map(|count| Self::opencv(side, count)))
+            .chain(other_families.map(other))
     }
 
     /// Whether markers that it reads are its own: a larger one of its family does not read them as well, and it reads one square in a hundred that is
@@ -116,7 +122,7 @@ impl Dictionary {
     }
 
     /// The bits of the first `limit` markers, row after row from the highest bit.
-    pub(super) fn codes(self, limit: usize) -> Vec<u64> {
+    pub(super) fn marker_codes(self, limit: usize) -> Vec<u64> {
         let text = match self.family {
             Family::OpenCv => SIZES.iter().find(|(side, ..)| *side == self.side).map(|(.., text)| *text),
             Family::Other(place) => OTHERS[place].codes,
@@ -126,17 +132,17 @@ impl Dictionary {
         text.split_ascii_whitespace().take(count).filter_map(|w| u64::from_str_radix(w, 16).ok()).collect()
     }
 
-    fn correctable(self) -> u32 {
-        if let Family::Other(place) = self.family {
-            return OTHERS[place].correctable;
+    fn correctable_bits(self) -> u32 {
+        if let Family::Other(index) = self.family {
+            return OTHERS[index].correctable;
         }
-        let place = COUNTS.iter().position(|count| *count == self.count);
+        let index = COUNTS.iter().position(|count| *count == self.count);
         let limits = SIZES.iter().find(|(side, ..)| *side == self.side).map(|(_, limits, _)| limits);
-        place.zip(limits).map_or(0, |(place, limits)| limits[place])
+        index.zip(limits).map_or(0, |(index, limits)| limits[index])
     }
 
     /// The marker of `codes` that was read as `bits`, in any of the four orientations; none where two are as near or all too far.
-    pub(super) fn identify(self, bits: u64, codes: &[u64]) -> Option<Identified> {
+    pub(super) fn identify_marker(self, bits: u64, codes: &[u64]) -> Option<Identified> {
         let turns = std::iter::successors(Some(bits), |bits| Some(quarter_turned(*bits, self.side)));
         let distances = turns.take(4).enumerate().flat_map(|(quarter_turns, bits)| {
             let distance =
@@ -145,7 +151,7 @@ impl Dictionary {
         });
         let mut nearest: Option<(u32, Identified)> = None;
         let mut tied = false;
-        for (distance, identified) in distances.filter(|(distance, _)| *distance <= self.correctable()) {
+        for (distance, identified) in distances.filter(|(distance, _)| *distance <= self.correctable_bits()) {
             match nearest {
                 Some((least, _)) if distance > least => {}
                 Some((least, _)) if distance == least => tied = true,
@@ -174,8 +180,8 @@ mod tests {
 
     #[test]
     fn every_dictionary_has_its_markers_and_its_name_back() {
-        for dictionary in Dictionary::all() {
-            let codes = dictionary.codes(usize::MAX);
+        for dictionary in Dictionary::all_dictionaries() {
+            let codes = dictionary.marker_codes(usize::MAX);
             assert_eq!(codes.len(), dictionary.count);
             assert!(codes.iter().all(|code| code >> (dictionary.side * dictionary.side) == 0));
             assert_eq!(dictionary.to_string().to_lowercase().parse(), Ok(dictionary));
@@ -195,26 +201,26 @@ mod tests {
             ("DICT_ARUCO_MIP_36h12", [0xd_2b63_a09d, 0x6_0011_34e5]),
         ] {
             let dictionary: Dictionary = name.parse().unwrap();
-            assert_eq!((dictionary.to_string().as_str(), &dictionary.codes(2)[..]), (name, &codes[..]));
+            assert_eq!((dictionary.to_string().as_str(), &dictionary.marker_codes(2)[..]), (name, &codes[..]));
         }
     }
 
     #[test]
     fn the_first_marker_of_four_bits_is_that_of_opencv() {
         // its bytesList begins with 181, 50
-        assert_eq!("DICT_4X4_50".parse::<Dictionary>().unwrap().codes(1), [181 << 8 | 50]);
+        assert_eq!("DICT_4X4_50".parse::<Dictionary>().unwrap().marker_codes(1), [181 << 8 | 50]);
     }
 
     #[test]
     fn a_marker_is_identified_in_each_orientation_and_with_wrong_bits() {
         let dictionary = Dictionary::opencv(5, 100);
-        let codes = dictionary.codes(100);
+        let codes = dictionary.marker_codes(100);
         let mut bits = codes[37];
         for quarter_turns in [0, 3, 2, 1] {
             let identified = Some(Identified { number: 37, quarter_turns });
-            assert_eq!(dictionary.identify(bits, &codes), identified);
-            assert_eq!(dictionary.identify(bits ^ 0b1_0000_0100_0001, &codes), identified);
-            assert_eq!(dictionary.identify(bits ^ 0b1_0000_0101_0001, &codes), None);
+            assert_eq!(dictionary.identify_marker(bits, &codes), identified);
+            assert_eq!(dictionary.identify_marker(bits ^ 0b1_0000_0100_0001, &codes), identified);
+            assert_eq!(dictionary.identify_marker(bits ^ 0b1_0000_0101_0001, &codes), None);
             bits = quarter_turned(bits, 5);
         }
     }
@@ -222,6 +228,6 @@ mod tests {
     #[test]
     fn what_is_as_near_to_two_markers_is_neither() {
         let dictionary = Dictionary::opencv(4, 50);
-        assert_eq!(dictionary.identify(0x8001, &[0x8003, 0x8041]), None);
+        assert_eq!(dictionary.identify_marker(0x8001, &[0x8003, 0x8041]), None);
     }
 }

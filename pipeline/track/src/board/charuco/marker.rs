@@ -3,7 +3,7 @@
 use super::dictionary::Dictionary;
 use super::quads::{Quad, distance};
 use crate::Gray;
-use crate::calibrate::homography::{homography, mapped};
+use crate::calibrate::homography::{homography, map_point};
 use nalgebra::Matrix3;
 use si::Point2;
 
@@ -28,19 +28,19 @@ const SAMPLES: [Point2; 5] = [[0.0, 0.0], [-0.2, -0.2], [0.2, -0.2], [-0.2, 0.2]
 pub(super) const UNIT: Quad = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
 /// The marker in a quadrilateral; `codes` are those that may occur.
-pub(super) fn read(picture: &Gray, quad: &Quad, dictionary: Dictionary, codes: &[u64]) -> Option<Marker> {
-    let bits = bits(picture, quad, dictionary.side)?;
-    let identified = dictionary.identify(bits, codes)?;
+pub(super) fn read_marker(picture: &Gray, quad: &Quad, dictionary: Dictionary, codes: &[u64]) -> Option<Marker> {
+    let bits = read_bits(picture, quad, dictionary.side)?;
+    let identified = dictionary.identify_marker(bits, codes)?;
     let corners = std::array::from_fn(|k| quad[(k + identified.quarter_turns) % 4]);
     Some(Marker { number: identified.number, corners })
 }
 
 /// The bits inside the border, rows from the quadrilateral's first corner on; none where the border is not black on white.
-fn bits(picture: &Gray, quad: &Quad, side: usize) -> Option<u64> {
+fn read_bits(picture: &Gray, quad: &Quad, side: usize) -> Option<u64> {
     let map = homography(&UNIT, quad)?;
     let cells = side + 2;
     let margin = OUTSIDE / cells as f64;
-    if !quad.iter().all(|corner| picture.holds(*corner, 2.0 + 2.0 * margin * distance(quad[0], quad[2]))) {
+    if !quad.iter().all(|corner| picture.holds_with_margin(*corner, 2.0 + 2.0 * margin * distance(quad[0], quad[2]))) {
         return None;
     }
     let level = |row: usize, column: usize| cell_level(picture, &map, cells, [column, row]);
@@ -59,16 +59,23 @@ fn bits(picture: &Gray, quad: &Quad, side: usize) -> Option<u64> {
 
 fn cell_level(picture: &Gray, map: &Matrix3<f64>, cells: usize, [column, row]: [usize; 2]) -> f64 {
     let coordinate = |cell: usize, offset: f64| (cell as f64 + 0.5 + offset) / cells as f64;
-    let level = |[x, y]: Point2| picture.level(mapped(map, [coordinate(column, x), coordinate(row, y)]));
+    let level =
+        |[x, y]: Point2| picture.interpolated_level(map_point(map, [coordinate(column, x), coordinate(row, y)]));
     SAMPLES.map(level).iter().sum::<f64>() / SAMPLES.len() as f64
 }
 
 /// Levels around the marker, `margin` outside its unit square.
 fn margin_levels(picture: &Gray, map: &Matrix3<f64>, cells: usize, margin: f64) -> Vec<f64> {
-    let along = |k: usize| (k as f64 + 0.5) / cells as f64;
-    let around =
-        |k: usize| [[along(k), -margin], [along(k), 1.0 + margin], [-margin, along(k)], [1.0 + margin, along(k)]];
-    (0..cells).flat_map(around).map(|place| picture.level(mapped(map, place))).collect()
+    let cell_centre = |k: usize| (k as f64 + 0.5) / cells as f64;
+    let margin_points = |k: usize| {
+        [
+            [cell_centre(k), -margin],
+            [cell_centre(k), 1.0 + margin],
+            [-margin, cell_centre(k)],
+            [1.0 + margin, cell_centre(k)],
+        ]
+    };
+    (0..cells).flat_map(margin_points).map(|point| picture.interpolated_level(map_point(map, point))).collect()
 }
 
 fn median(mut levels: Vec<f64>) -> f64 {
@@ -93,11 +100,11 @@ mod tests {
     #[test]
     fn a_marker_is_read_with_its_upper_left_corner_first() {
         let dictionary = Dictionary::opencv(4, 50);
-        let codes = dictionary.codes(50);
+        let codes = dictionary.marker_codes(50);
         let quad: Quad = [[29.5, 19.5], [83.5, 19.5], [83.5, 73.5], [29.5, 73.5]];
         for start in 0..4 {
             let turned = std::array::from_fn(|k| quad[(k + start) % 4]);
-            let marker = read(&printed(codes[7]), &turned, dictionary, &codes).unwrap();
+            let marker = read_marker(&printed(codes[7]), &turned, dictionary, &codes).unwrap();
             assert_eq!(marker, Marker { number: 7, corners: quad });
         }
     }
@@ -105,11 +112,11 @@ mod tests {
     #[test]
     fn a_quadrilateral_without_a_border_on_white_ground_is_no_marker() {
         let dictionary = Dictionary::opencv(4, 50);
-        let codes = dictionary.codes(50);
+        let codes = dictionary.marker_codes(50);
         let quad: Quad = [[29.5, 19.5], [83.5, 19.5], [83.5, 73.5], [29.5, 73.5]];
-        assert_eq!(read(&Gray::filled(120, 100, 60), &quad, dictionary, &codes), None);
-        assert_eq!(read(&printed(0xffff), &quad.map(|p| p.map(|c| c - 9.0)), dictionary, &codes), None);
+        assert_eq!(read_marker(&Gray::filled(120, 100, 60), &quad, dictionary, &codes), None);
+        assert_eq!(read_marker(&printed(0xffff), &quad.map(|p| p.map(|c| c - 9.0)), dictionary, &codes), None);
         // a picture that ends at the marker
-        assert_eq!(read(&printed(codes[7]).crop(30, 20, 54, 54), &quad, dictionary, &codes), None);
+        assert_eq!(read_marker(&printed(codes[7]).crop(30, 20, 54, 54), &quad, dictionary, &codes), None);
     }
 }

@@ -11,12 +11,12 @@ mod marker;
 mod quads;
 
 use super::reduced::Reduced;
-use super::{BoardError, saddle, whole};
+use super::{BoardError, check_levels, saddle};
 use crate::Gray;
 use crate::calibrate::View;
-use crate::calibrate::homography::mapped;
+use crate::calibrate::homography::map_point;
 pub use dictionary::{Dictionary, UnknownDictionary};
-use layout::{Located, located};
+use layout::{Located, locate_markers};
 use marker::Marker;
 use quads::distance;
 use si::{Metre, Point2};
@@ -49,12 +49,12 @@ const LEAST_CONTRAST: f64 = 10.0;
 
 impl Charuco {
     /// Markers of the board, in its white squares.
-    pub(crate) fn markers(&self) -> usize {
+    pub(crate) fn marker_count(&self) -> usize {
         self.columns * self.rows / 2
     }
 
     /// White between a marker and its square, as a share of the square's side.
-    fn gap(&self) -> f64 {
+    fn gap_share(&self) -> f64 {
         0.5 * (1.0 - self.marker / self.square)
     }
 }
@@ -66,38 +66,38 @@ impl Charuco {
 /// # Errors
 /// [`BoardError`] when too few corners are seen, no marker is, or their numbers are those of another board.
 pub fn find(picture: &Gray, board: &Charuco) -> Result<View, BoardError> {
-    whole(picture)?;
-    let (needed, has) = (board.markers(), board.dictionary.count);
+    check_levels(picture)?;
+    let (needed, has) = (board.marker_count(), board.dictionary.count);
     let fits = (0.1..0.95).contains(&(board.marker / board.square));
     if needed > has || board.columns < 3 || board.rows < 3 || !fits {
         return Err(BoardError::NoCharuco { board: *board });
     }
-    let from_reduced = Reduced::of(picture).and_then(|reduced| {
-        let (markers, _) = markers(&reduced.picture, board);
-        view(picture, board, &enlarged(&reduced, &markers)).ok()
+    let from_reduced = Reduced::of_large_picture(picture).and_then(|reduced| {
+        let (markers, _) = find_markers(&reduced.picture, board);
+        corner_view(picture, board, &enlarge_markers(&reduced, &markers)).ok()
     });
     if let Some(view) = from_reduced {
         return Ok(view);
     }
-    let (markers, quads) = markers(picture, board);
+    let (markers, quads) = find_markers(picture, board);
     match markers.is_empty() {
         true => Err(no_marker(picture, board, quads)),
-        false => view(picture, board, &markers),
+        false => corner_view(picture, board, &markers),
     }
 }
 
-fn enlarged(reduced: &Reduced, markers: &[Marker]) -> Vec<Marker> {
-    let enlarge = |marker: &Marker| Marker { corners: marker.corners.map(|p| reduced.enlarged(p)), ..*marker };
+fn enlarge_markers(reduced: &Reduced, markers: &[Marker]) -> Vec<Marker> {
+    let enlarge = |marker: &Marker| Marker { corners: marker.corners.map(|p| reduced.to_picture(p)), ..*marker };
     markers.iter().map(enlarge).collect()
 }
 
 /// The markers of a picture, and the number of its dark quadrilaterals.
-fn markers(picture: &Gray, board: &Charuco) -> (Vec<Marker>, usize) {
-    let codes = board.dictionary.codes(board.markers());
+fn find_markers(picture: &Gray, board: &Charuco) -> (Vec<Marker>, usize) {
+    let codes = board.dictionary.marker_codes(board.marker_count());
     let (mut markers, mut count): (Vec<Marker>, usize) = (Vec::new(), 0);
-    for quad in WINDOWS.iter().flat_map(|share| quads::quads(picture, window(picture, *share))) {
+    for quad in WINDOWS.iter().flat_map(|share| quads::find_quads(picture, window_half_side(picture, *share))) {
         count += 1;
-        let read = marker::read(picture, &quad, board.dictionary, &codes);
+        let read = marker::read_marker(picture, &quad, board.dictionary, &codes);
         // a marker is dark by either mean, its corners the same within some pixels
         let is_new = |read: &Marker| {
             !markers.iter().any(|m| m.number == read.number && distance(m.corners[0], read.corners[0]) < 8.0)
@@ -107,29 +107,30 @@ fn markers(picture: &Gray, board: &Charuco) -> (Vec<Marker>, usize) {
     (markers, count)
 }
 
-fn window(picture: &Gray, share: f64) -> usize {
+fn window_half_side(picture: &Gray, share: f64) -> usize {
     ((share * picture.width.min(picture.height) as f64) as usize).max(3)
 }
 
 /// Why no marker was read: there is none, or those that are there belong to another dictionary, which is named.
 fn no_marker(picture: &Gray, board: &Charuco, quads: usize) -> BoardError {
     let reads = |dictionary: &Dictionary| {
-        let codes = dictionary.codes(usize::MAX);
-        let quads = quads::quads(picture, window(picture, WINDOWS[0]));
-        quads.iter().filter(|quad| marker::read(picture, quad, *dictionary, &codes).is_some()).count()
+        let codes = dictionary.marker_codes(usize::MAX);
+        let quads = quads::find_quads(picture, window_half_side(picture, WINDOWS[0]));
+        quads.iter().filter(|quad| marker::read_marker(picture, quad, *dictionary, &codes).is_some()).count()
     };
-    let other = Dictionary::all().filter(Dictionary::is_telling).find(|d| reads(d) >= 3);
+    let other = Dictionary::all_dictionaries().filter(Dictionary::is_telling).find(|d| reads(d) >= 3);
     BoardError::NoMarker { dictionary: board.dictionary, quads, other }
 }
 
 /// The corners beside the markers.
-fn view(picture: &Gray, board: &Charuco, markers: &[Marker]) -> Result<View, BoardError> {
-    let located = located(markers, board)?;
+fn corner_view(picture: &Gray, board: &Charuco, markers: &[Marker]) -> Result<View, BoardError> {
+    let located = locate_markers(markers, board)?;
     let (across, down) = (board.columns - 1, board.rows - 1);
     // printed rows run downwards, the board's upwards
     let number = |k: usize| (down - 1 - k / across) * across + k % across;
-    let place = |k: usize| Some((number(k), corner(picture, board, &located, [k % across + 1, k / across + 1])?));
-    let mut corners: Vec<(usize, Point2)> = (0..across * down).filter_map(place).collect();
+    let numbered_corner =
+        |k: usize| Some((number(k), find_corner(picture, board, &located, [k % across + 1, k / across + 1])?));
+    let mut corners: Vec<(usize, Point2)> = (0..across * down).filter_map(numbered_corner).collect();
     corners.sort_by_key(|(number, _)| *number);
     let spans = |line: fn(usize, usize) -> usize| {
         let lines = |number: &(usize, Point2)| line(number.0, across);
@@ -146,32 +147,34 @@ fn view(picture: &Gray, board: &Charuco, markers: &[Marker]) -> Result<View, Boa
     Ok(View { corners, numbers: Some(numbers) })
 }
 
-/// The inner corner at `place` (squares to the right and down of the printed board's upper left corner), px.
-fn corner(picture: &Gray, board: &Charuco, located: &[Located], place: [usize; 2]) -> Option<Point2> {
-    let at = place.map(|p| p as f64);
-    let is_beside =
-        |marker: &&Located| (0..2).all(|k| marker.square[k] + 1 == place[k] || marker.square[k] == place[k]);
-    let beside: Vec<&Located> = located.iter().filter(is_beside).collect();
-    let predicted: Vec<Point2> = beside.iter().map(|marker| mapped(&marker.map, at)).collect();
+/// The inner corner at `inner_corner` (squares to the right and down of the printed board's upper left corner), px.
+fn find_corner(picture: &Gray, board: &Charuco, located: &[Located], inner_corner: [usize; 2]) -> Option<Point2> {
+    let point = inner_corner.map(|p| p as f64);
+    let is_beside = |marker: &&Located| {
+        (0..2).all(|k| marker.square[k] + 1 == inner_corner[k] || marker.square[k] == inner_corner[k])
+    };
+    let adjacent_markers: Vec<&Located> = located.iter().filter(is_beside).collect();
+    let predicted: Vec<Point2> = adjacent_markers.iter().map(|marker| map_point(&marker.map, point)).collect();
     let start = [0, 1].map(|k| predicted.iter().map(|p| p[k]).sum::<f64>() / predicted.len() as f64);
-    let nearest = beside.iter().flat_map(|marker| marker.corners).map(|p| distance(p, start)).min_by(f64::total_cmp)?;
+    let nearest =
+        adjacent_markers.iter().flat_map(|marker| marker.corners).map(|p| distance(p, start)).min_by(f64::total_cmp)?;
     let radius = (REFINED_SHARE * nearest).min(REFINED.1);
-    let refined = (radius >= REFINED.0).then(|| saddle::refine(picture, start, radius))??;
+    let refined = (radius >= REFINED.0).then(|| saddle::refine_saddle(picture, start, radius))??;
     let shift = [refined[0] - start[0], refined[1] - start[1]];
-    is_crossing(picture, board, beside[0], (at, shift)).then_some(refined)
+    is_crossing(picture, board, adjacent_markers[0], (point, shift)).then_some(refined)
 }
 
 /// Whether the squares that touch a corner are black and white as the board's are: of an occluded corner they are not.
-fn is_crossing(picture: &Gray, board: &Charuco, marker: &Located, (at, shift): (Point2, Point2)) -> bool {
-    let reach = 0.5 * board.gap();
+fn is_crossing(picture: &Gray, board: &Charuco, marker: &Located, (point, shift): (Point2, Point2)) -> bool {
+    let reach = 0.5 * board.gap_share();
     let level = |[x, y]: Point2| {
-        let place = mapped(&marker.map, [at[0] + x * reach, at[1] + y * reach]);
-        let moved = [place[0] + shift[0], place[1] + shift[1]];
-        picture.holds(moved, 1.0).then(|| picture.level(moved))
+        let pixel = map_point(&marker.map, [point[0] + x * reach, point[1] + y * reach]);
+        let shifted_pixel = [pixel[0] + shift[0], pixel[1] + shift[1]];
+        picture.holds_with_margin(shifted_pixel, 1.0).then(|| picture.interpolated_level(shifted_pixel))
     };
     let pair = |a: Point2, b: Point2| Some((level(a)?.min(level(b)?), level(a)?.max(level(b)?)));
     // a marker to the upper left or lower right makes the falling diagonal white
-    let is_falling = (marker.square[0] as f64 + 0.5 > at[0]) == (marker.square[1] as f64 + 0.5 > at[1]);
+    let is_falling = (marker.square[0] as f64 + 0.5 > point[0]) == (marker.square[1] as f64 + 0.5 > point[1]);
     let (falling, rising) = (pair([-1.0, -1.0], [1.0, 1.0]), pair([1.0, -1.0], [-1.0, 1.0]));
     let (white, black) = if is_falling { (falling, rising) } else { (rising, falling) };
     white.zip(black).is_some_and(|((least_white, _), (_, most_black))| least_white - most_black > LEAST_CONTRAST)

@@ -15,21 +15,24 @@ const LARGEST: f64 = 0.25;
 const BULGE: f64 = 0.12;
 
 /// The quadrilaterals among the dark patches; `window` is half the side of the square with whose mean a pixel is compared, px.
-pub(super) fn quads(picture: &Gray, window: usize) -> Vec<Quad> {
+pub(super) fn find_quads(picture: &Gray, window: usize) -> Vec<Quad> {
     let largest = (LARGEST * picture.pixels.len() as f64) as usize;
-    dark_patches(picture, window).filter(|patch| patch.len() <= largest).filter_map(|patch| quad(&patch)).collect()
+    dark_patches(picture, window)
+        .filter(|patch| patch.len() <= largest)
+        .filter_map(|patch| quad_of_patch(&patch))
+        .collect()
 }
 
-fn quad(patch: &Patch) -> Option<Quad> {
+fn quad_of_patch(patch: &Patch) -> Option<Quad> {
     if (patch.len() as f64) < SHORTEST_SIDE * SHORTEST_SIDE * 0.3 {
         return None;
     }
     let hull = convex_hull(row_ends(patch));
     let quad = inscribed_quad(&hull)?;
-    let (area, hull_area) = (area(&quad), area(&hull));
+    let (area, hull_area) = (polygon_area(&quad), polygon_area(&hull));
     let sides = (0..4).map(|k| distance(quad[k], quad[(k + 1) % 4]));
     let is_quad = hull_area - area < BULGE * area && sides.fold(f64::INFINITY, f64::min) >= SHORTEST_SIDE;
-    is_quad.then(|| widened(quad))
+    is_quad.then(|| widen_quad(quad))
 }
 
 /// The first and last pixel of each row.
@@ -66,15 +69,15 @@ fn convex_hull(mut points: Vec<Point2>) -> Vec<Point2> {
 fn inscribed_quad(hull: &[Point2]) -> Option<Quad> {
     let pairs = (0..hull.len()).flat_map(|i| (i + 1..hull.len()).map(move |j| (i, j)));
     let (i, j) = pairs.max_by(|a, b| distance(hull[a.0], hull[a.1]).total_cmp(&distance(hull[b.0], hull[b.1])))?;
-    let beyond = |side: f64| {
+    let farthest_on_side = |side: f64| {
         let height = |p: &Point2| side * cross(hull[i], hull[j], *p);
         hull.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b))).filter(|p| height(p) > 0.0)
     };
-    Some([hull[i], beyond(-1.0)?, hull[j], beyond(1.0)?])
+    Some([hull[i], farthest_on_side(-1.0)?, hull[j], farthest_on_side(1.0)?])
 }
 
 /// From the middles of the outermost pixels to their outer edges: half a pixel from the middle of the whole.
-fn widened(quad: Quad) -> Quad {
+fn widen_quad(quad: Quad) -> Quad {
     let middle = [0, 1].map(|k| quad.iter().map(|p| p[k]).sum::<f64>() / 4.0);
     quad.map(|p| {
         let reach = distance(p, middle);
@@ -88,7 +91,7 @@ fn cross(a: Point2, b: Point2, c: Point2) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-fn area(polygon: &[Point2]) -> f64 {
+fn polygon_area(polygon: &[Point2]) -> f64 {
     let term = |k: usize| {
         let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
         p[0] * q[1] - p[1] * q[0]
@@ -113,7 +116,7 @@ mod tests {
     fn the_corners_of_a_dark_quadrilateral_come_back_clockwise() {
         let truth: Quad = [[60.0, 40.0], [120.0, 55.0], [110.0, 130.0], [45.0, 110.0]];
         let picture = Gray::from_fn(200, 180, |x, y| if inside(&truth, [x as f64, y as f64]) { 40.0 } else { 200.0 });
-        let [quad] = quads(&picture, 40)[..] else { panic!("one quadrilateral is dark") };
+        let [quad] = find_quads(&picture, 40)[..] else { panic!("one quadrilateral is dark") };
         for corner in truth {
             let off = quad.iter().map(|p| distance(*p, corner)).fold(f64::INFINITY, f64::min);
             assert!(off < 1.5, "{corner:?} {quad:?}");
@@ -128,6 +131,6 @@ mod tests {
         let speck = |x: f64, y: f64| (x - 220.0).abs() < 5.0 && (y - 60.0).abs() < 5.0;
         let dark = |x: f64, y: f64| disc(x, y) || triangle(x, y) || speck(x, y);
         let picture = Gray::from_fn(260, 130, |x, y| if dark(x as f64, y as f64) { 40.0 } else { 200.0 });
-        assert!(quads(&picture, 50).is_empty());
+        assert!(find_quads(&picture, 50).is_empty());
     }
 }

@@ -122,9 +122,9 @@ pub struct KnownLens {
 /// [`YamlError`] when a matrix is missing or the distortion is of another kind.
 pub fn read(text: &str, fisheye: bool) -> Result<KnownLens, YamlError> {
     let values = Values::new(text);
-    let matrix = matrix(&values)?;
+    let matrix = camera_matrix(&values)?;
     check_matrix(&matrix)?;
-    let coefficients = values.numbers(&BENT).unwrap_or_default();
+    let coefficients = values.numbers_of(&BENT).unwrap_or_default();
     let fisheye = fisheye || is_fisheye(&values)?;
     if !COUNTS.contains(&coefficients.len()) {
         return Err(YamlError::Values { key: COEFFICIENTS, found: coefficients.len(), wanted: "4, 5, 8, 12 or 14" });
@@ -134,10 +134,10 @@ pub fn read(text: &str, fisheye: bool) -> Result<KnownLens, YamlError> {
     }
     let [fx, _, cx, _, fy, cy, ..] = matrix;
     let limit = if fisheye { 4 } else { BENDS };
-    let beyond = coefficients.iter().enumerate().skip(limit).find(|(_, value)| **value != 0.0);
-    match beyond {
+    let unsupported_coefficient = coefficients.iter().enumerate().skip(limit).find(|(_, value)| **value != 0.0);
+    match unsupported_coefficient {
         Some((at, value)) if fisheye => Err(YamlError::Model { at: at + 1, count: coefficients.len(), value: *value }),
-        Some(_) => fitted([fx, fy, cx, cy], &coefficients, &values),
+        Some(_) => fit_lens([fx, fy, cx, cy], &coefficients, &values),
         None => {
             let distortion = if fisheye { Distortion::Fisheye } else { Distortion::BrownConrady };
             let fifth = if fisheye { 0.0 } else { coefficients.get(4).copied().unwrap_or(0.0) };
@@ -145,23 +145,23 @@ pub fn read(text: &str, fisheye: bool) -> Result<KnownLens, YamlError> {
             let [a, b, c, d, ..] = coefficients[..] else {
                 return Err(YamlError::Values { key: COEFFICIENTS, found: 0, wanted: "4" });
             };
-            let lens = lens.with([fx, fy, cx, cy, a, b, c, d, fifth]);
-            Ok(KnownLens { lens, fitted_px: None, size: size(&values) })
+            let lens = lens.with_values([fx, fy, cx, cy, a, b, c, d, fifth]);
+            Ok(KnownLens { lens, fitted_px: None, size: picture_size(&values) })
         }
     }
 }
 
 /// The nine numbers of the matrix, or Kalibr's four.
-fn matrix(values: &Values) -> Result<[f64; 9], YamlError> {
+fn camera_matrix(values: &Values) -> Result<[f64; 9], YamlError> {
     // a file of several cameras names each its own
-    let cameras = values.count("intrinsics");
+    let cameras = values.count_key("intrinsics");
     if cameras > 1 {
         return Err(YamlError::Cameras { cameras });
     }
-    if let Some([fx, fy, cx, cy]) = values.numbers(&["intrinsics"]).as_deref() {
+    if let Some([fx, fy, cx, cy]) = values.numbers_of(&["intrinsics"]).as_deref() {
         return Ok([*fx, 0.0, *cx, 0.0, *fy, *cy, 0.0, 0.0, 1.0]);
     }
-    let numbers = values.numbers(&MATRICES).unwrap_or_default();
+    let numbers = values.numbers_of(&MATRICES).unwrap_or_default();
     let found = numbers.len();
     numbers.try_into().map_err(|_| YamlError::Values { key: MATRIX, found, wanted: "9" })
 }
@@ -185,36 +185,37 @@ const HINTS: [&str; 2] = ["lens", "model"];
 
 /// Whether the file names a fisheye.
 fn is_fisheye(values: &Values) -> Result<bool, YamlError> {
-    let word = |key: &&str| values.word(&[*key]).map(str::to_ascii_lowercase);
+    let word = |key: &&str| values.word_of(&[*key]).map(str::to_ascii_lowercase);
     let named: Vec<String> = MODELS.iter().filter_map(word).collect();
     let is_known = |word: &String| FISHEYE.contains(&word.as_str()) || ORDINARY.contains(&word.as_str());
     // a model of another kind, such as Kalibr's `omni`, has numbers that mean something else
     if let Some(other) = named.iter().find(|word| !is_known(word)) {
         return Err(YamlError::OtherModel { name: other.clone() });
     }
-    let mut all = named.into_iter().chain(HINTS.iter().filter_map(word));
-    let is_flagged = values.word(&["fisheye_model"]).is_some_and(|word| word != "0");
-    Ok(is_flagged || all.any(|word| FISHEYE.contains(&word.as_str())))
+    let mut words = named.into_iter().chain(HINTS.iter().filter_map(word));
+    let is_flagged = values.word_of(&["fisheye_model"]).is_some_and(|word| word != "0");
+    Ok(is_flagged || words.any(|word| FISHEYE.contains(&word.as_str())))
 }
 
 /// The size of the pictures, px, where the file has it.
-fn size(values: &Values) -> Option<[usize; 2]> {
-    let side = |keys: &[&str]| values.word(keys).and_then(|word| word.parse::<usize>().ok()).filter(|side| *side > 0);
+fn picture_size(values: &Values) -> Option<[usize; 2]> {
+    let side =
+        |keys: &[&str]| values.word_of(keys).and_then(|word| word.parse::<usize>().ok()).filter(|side| *side > 0);
     // length: two numbers, not lists
     let sides = side(&["image_width", "width"]).zip(side(&["image_height", "height"]));
-    let kalibr = || values.numbers(&["resolution"]).filter(|sides| sides.len() == 2);
+    let kalibr = || values.numbers_of(&["resolution"]).filter(|sides| sides.len() == 2);
     sides
         .map(|(width, height)| [width, height])
         .or_else(|| kalibr().map(|sides| [sides[0] as usize, sides[1] as usize]))
 }
 
 /// The nearest lens here to one of more coefficients.
-fn fitted(camera: [f64; 4], coefficients: &[f64], values: &Values) -> Result<KnownLens, YamlError> {
+fn fit_lens(camera: [f64; 4], coefficients: &[f64], values: &Values) -> Result<KnownLens, YamlError> {
     let numbers = std::array::from_fn(|i| coefficients.get(i).copied().unwrap_or(0.0));
-    let size = size(values);
+    let size = picture_size(values);
     let [_, _, cx, cy] = camera;
     let picture = size.map_or([2.0 * cx + 1.0, 2.0 * cy + 1.0], |size| size.map(|side| side as f64));
-    match (Rational { numbers }).fitted(camera, picture) {
+    match (Rational { numbers }).nearest_lens(camera, picture) {
         Some((lens, off)) if off <= FITTED => Ok(KnownLens { lens, fitted_px: Some(off), size }),
         fit => Err(YamlError::NotFitted {
             count: coefficients.len(),

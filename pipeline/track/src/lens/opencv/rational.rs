@@ -26,24 +26,24 @@ impl Rational {
             x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + r2 * (s1 + r2 * s2),
             y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + r2 * (s3 + r2 * s4),
         ];
-        tilted(bent, tilt_x, tilt_y)
+        tilt_point(bent, tilt_x, tilt_y)
     }
 
     /// The ray of a distorted place, by Newton with differences; none where there is none.
-    fn ray(&self, goal: Point2) -> Option<Point2> {
+    fn ray_of(&self, goal: Point2) -> Option<Point2> {
         const STEP: f64 = 1e-7;
         let mut ray = goal;
         for _ in 0..50 {
-            let there = self.distort(ray);
-            let miss = [goal[0] - there[0], goal[1] - there[1]];
+            let distorted = self.distort(ray);
+            let miss = [goal[0] - distorted[0], goal[1] - distorted[1]];
             if miss[0].hypot(miss[1]) < 1e-12 {
                 return Some(ray);
             }
             let column = |k: usize| {
-                let mut moved = ray;
-                moved[k] += STEP;
-                let to = self.distort(moved);
-                [0, 1].map(|row| (to[row] - there[row]) / STEP)
+                let mut perturbed = ray;
+                perturbed[k] += STEP;
+                let perturbed_image = self.distort(perturbed);
+                [0, 1].map(|row| (perturbed_image[row] - distorted[row]) / STEP)
             };
             let [[a, c], [b, d]] = [column(0), column(1)];
             let step = crate::lens::solve([[a, b], [c, d]], miss)?;
@@ -54,36 +54,45 @@ impl Rational {
 
     /// The lens of five numbers that is nearest to this one with focal lengths and centre `[fx, fy, cx, cy]` over a picture of `size` (px), and the
     /// root of their mean squared distance, px. None where rays of the picture are not determined.
-    pub(super) fn fitted(&self, [fx, fy, cx, cy]: [f64; 4], size: [f64; 2]) -> Option<(Lens, f64)> {
+    pub(super) fn nearest_lens(&self, [fx, fy, cx, cy]: [f64; 4], size: [f64; 2]) -> Option<(Lens, f64)> {
         let pixel = |i: usize, k: usize| size[k] * i as f64 / (GRID[k] - 1) as f64;
         let mut rays = Vec::new();
         for (i, j) in (0..GRID[0]).flat_map(|i| (0..GRID[1]).map(move |j| (i, j))) {
-            let at = [(pixel(i, 0) - cx) / fx, (pixel(j, 1) - cy) / fy];
-            rays.push((self.ray(at)?, at));
+            let normalised = [(pixel(i, 0) - cx) / fx, (pixel(j, 1) - cy) / fy];
+            rays.push((self.ray_of(normalised)?, normalised));
         }
         // linear in the scale, in scale times each number, and in the shift of the centre, all in focal lengths
         let row = |[x, y]: Point2, k: usize| -> [f64; UNKNOWNS] {
-            let (r2, own) = (x * x + y * y, [x, y][k]);
+            let (r2, coordinate) = (x * x + y * y, [x, y][k]);
             let tangential = [[2.0 * x * y, r2 + 2.0 * x * x], [r2 + 2.0 * y * y, 2.0 * x * y]][k];
             let shift = [f64::from(k == 0), f64::from(k == 1)];
-            [own, own * r2, own * r2 * r2, own * r2.powi(3), tangential[0], tangential[1], shift[0], shift[1]]
+            [
+                coordinate,
+                coordinate * r2,
+                coordinate * r2 * r2,
+                coordinate * r2.powi(3),
+                tangential[0],
+                tangential[1],
+                shift[0],
+                shift[1],
+            ]
         };
         let count = 2 * rays.len();
         let table = DMatrix::from_fn(count, UNKNOWNS, |i, u| row(rays[i / 2].0, i % 2)[u]);
         let goal = DVector::from_fn(count, |i, _| rays[i / 2].1[i % 2]);
         let fit = table.clone().svd(true, true).solve(&goal, 1e-14).ok()?;
-        let off = table * &fit - goal;
-        let square = off.iter().enumerate().map(|(i, off)| ([fx, fy][i % 2] * off).powi(2)).sum::<f64>();
+        let residual = table * &fit - goal;
+        let square = residual.iter().enumerate().map(|(i, residual)| ([fx, fy][i % 2] * residual).powi(2)).sum::<f64>();
         let scale = fit[0];
         let [k1, k2, k3, p1, p2] = [1, 2, 3, 4, 5].map(|u| fit[u] / scale);
         let lens = Lens { distortion: Distortion::BrownConrady, ..Lens::default() };
         let (fx, fy, cx, cy) = (fx * scale, fy * scale, cx + fx * fit[6], cy + fy * fit[7]);
-        Some((lens.with([fx, fy, cx, cy, k1, k2, p1, p2, k3]), (square / rays.len() as f64).sqrt()))
+        Some((lens.with_values([fx, fy, cx, cy, k1, k2, p1, p2, k3]), (square / rays.len() as f64).sqrt()))
     }
 }
 
 /// A place on a sensor that is tilted by two angles (rad), seen from the axis of the lens.
-fn tilted([x, y]: Point2, tilt_x: f64, tilt_y: f64) -> Point2 {
+fn tilt_point([x, y]: Point2, tilt_x: f64, tilt_y: f64) -> Point2 {
     if tilt_x == 0.0 && tilt_y == 0.0 {
         return [x, y];
     }
@@ -107,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_lens_of_five_numbers_comes_back() {
-        let (lens, off) = rational(&[-0.11, 0.03, 3e-4, -2e-4, -0.01]).fitted(CAMERA, [1280.0, 720.0]).unwrap();
+        let (lens, off) = rational(&[-0.11, 0.03, 3e-4, -2e-4, -0.01]).nearest_lens(CAMERA, [1280.0, 720.0]).unwrap();
         let known = [1000.0, 1002.0, 645.0, 358.0, -0.11, 0.03, 3e-4, -2e-4, -0.01];
         assert!(lens.values().iter().zip(known).all(|(a, b)| (a - b).abs() < 1e-6), "{:?}", lens.values());
         assert!(off < 1e-8, "{off}");
@@ -121,7 +130,7 @@ mod tests {
             &[-0.1, 0.02, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.001, -0.0008],
         ] {
             let known = rational(numbers);
-            let (lens, off) = known.fitted(CAMERA, [1280.0, 720.0]).unwrap();
+            let (lens, off) = known.nearest_lens(CAMERA, [1280.0, 720.0]).unwrap();
             assert!(off < 0.1, "{numbers:?}: {off}");
             for at in [[0.3, -0.2], [-0.55, 0.31], [0.0, 0.1]] {
                 let [x, y] = known.distort(at);

@@ -20,9 +20,13 @@ impl Values {
     }
 
     /// The numbers of the first of the keys that stands in the text.
-    pub(super) fn numbers(&self, keys: &[&str]) -> Option<Vec<f64>> {
-        let rest = keys.iter().find_map(|key| self.after(key).next())?;
-        let list = if self.is_xml { element(rest)? } else { bracketed(rest).or_else(|| dashed(rest))? };
+    pub(super) fn numbers_of(&self, keys: &[&str]) -> Option<Vec<f64>> {
+        let text_after = keys.iter().find_map(|key| self.texts_after(key).next())?;
+        let list = if self.is_xml {
+            element_text(text_after)?
+        } else {
+            bracketed_text(text_after).or_else(|| dashed_lines(text_after))?
+        };
         let words = list
             .split(|c: char| c.is_whitespace() || ",[]".contains(c))
             .filter(|word| !word.is_empty() && *word != "-");
@@ -30,38 +34,41 @@ impl Values {
     }
 
     /// The word of the first of the keys that stands in the text.
-    pub(super) fn word<'a>(&'a self, keys: &[&'a str]) -> Option<&'a str> {
-        let rest = keys.iter().find_map(|key| self.after(key).next())?;
-        let rest =
-            if self.is_xml { rest.split_once('>')?.1.trim_start() } else { rest.trim_start_matches([' ', '\t']) };
-        let end = rest.find(|c: char| c.is_whitespace() || ",<}".contains(c)).unwrap_or(rest.len());
-        Some(rest[..end].trim_matches(['"', '\'']))
+    pub(super) fn word_of<'a>(&'a self, keys: &[&'a str]) -> Option<&'a str> {
+        let text_after = keys.iter().find_map(|key| self.texts_after(key).next())?;
+        let text_after = if self.is_xml {
+            text_after.split_once('>')?.1.trim_start()
+        } else {
+            text_after.trim_start_matches([' ', '\t'])
+        };
+        let end = text_after.find(|c: char| c.is_whitespace() || ",<}".contains(c)).unwrap_or(text_after.len());
+        Some(text_after[..end].trim_matches(['"', '\'']))
     }
 
     /// How many times a key stands in the text.
-    pub(super) fn count(&self, key: &str) -> usize {
-        self.after(key).count()
+    pub(super) fn count_key(&self, key: &str) -> usize {
+        self.texts_after(key).count()
     }
 
     /// What follows each place of a key: behind its colon, or the rest of its opening tag.
-    fn after<'a>(&'a self, key: &'a str) -> impl Iterator<Item = &'a str> {
+    fn texts_after<'a>(&'a self, key: &'a str) -> impl Iterator<Item = &'a str> {
         self.text.match_indices(key).filter_map(move |(at, _)| {
-            let (before, after) = (&self.text[..at], &self.text[at + key.len()..]);
+            let (before, tail) = (&self.text[..at], &self.text[at + key.len()..]);
             if self.is_xml {
-                return (before.ends_with('<') && after.starts_with(['>', ' ', '\n', '\t'])).then_some(after);
+                return (before.ends_with('<') && tail.starts_with(['>', ' ', '\n', '\t'])).then_some(tail);
             }
             let begins = before.is_empty() || before.ends_with(['\n', ' ', '\t', '"', '\'', '{', ',']);
-            let after = after.trim_start_matches(['"', '\'']).trim_start_matches([' ', '\t']);
-            after.strip_prefix(':').filter(|_| begins)
+            let tail = tail.trim_start_matches(['"', '\'']).trim_start_matches([' ', '\t']);
+            tail.strip_prefix(':').filter(|_| begins)
         })
     }
 }
 
 /// What stands in the brackets that follow a key; none where another key comes first, whose data it would be.
-fn bracketed(rest: &str) -> Option<&str> {
+fn bracketed_text(rest: &str) -> Option<&str> {
     let open = rest.find('[')?;
-    let between = rest[..open].trim_start_matches(|c: char| c != '\n' && c != '{' && c != ',');
-    let keys = between.split(['\n', ',', '{']).filter_map(|line| line.split_once(':'));
+    let text_before_bracket = rest[..open].trim_start_matches(|c: char| c != '\n' && c != '{' && c != ',');
+    let keys = text_before_bracket.split(['\n', ',', '{']).filter_map(|line| line.split_once(':'));
     if keys.map(|(key, _)| key.trim_matches(['"', '\'', ' ', '\t', '\r'])).any(|key| !BEFORE_DATA.contains(&key)) {
         return None;
     }
@@ -74,29 +81,29 @@ fn bracketed(rest: &str) -> Option<&str> {
 }
 
 /// The lines that begin with a dash below a key, or below its `data`.
-fn dashed(rest: &str) -> Option<&str> {
-    let mut at = rest.find('\n')? + 1;
+fn dashed_lines(rest: &str) -> Option<&str> {
+    let mut offset = rest.find('\n')? + 1;
     let mut begin = None;
-    while let Some(line) = rest[at..].split_inclusive('\n').next() {
+    while let Some(line) = rest[offset..].split_inclusive('\n').next() {
         let word = line.trim();
         let is_dash = word.starts_with('-');
-        let before = word.split_once(':').is_some_and(|(key, _)| BEFORE_DATA.contains(&key.trim()));
+        let is_header = word.split_once(':').is_some_and(|(key, _)| BEFORE_DATA.contains(&key.trim()));
         match (begin, is_dash) {
-            (None, true) => begin = Some(at),
-            (None, false) if word.is_empty() || before => {}
+            (None, true) => begin = Some(offset),
+            (None, false) if word.is_empty() || is_header => {}
             (None, false) => return None,
             (Some(_), true) => {}
             (Some(_), false) => break,
         }
-        at += line.len();
+        offset += line.len();
     }
-    let list = &rest[begin?..at];
+    let list = &rest[begin?..offset];
     // a dash before a number without a blank is its sign
     Some(list)
 }
 
 /// The text of an element, or of the data in it.
-fn element(rest: &str) -> Option<&str> {
+fn element_text(rest: &str) -> Option<&str> {
     let inner = rest.split_once('>')?.1;
     let tag = |text: &'static str| inner.find(text);
     match (tag("<data>"), tag("</")) {
@@ -136,19 +143,19 @@ mod tests {
             "<?xml version=\"1.0\"?>\n<a><!-- K --><K type_id=\"x\"><rows>1</rows><data>\n1. -2 3e1</data></K></a>",
             "<a><K>1 -2 30</K></a>",
         ] {
-            assert_eq!(Values::new(text).numbers(&["K"]), Some(vec![1.0, -2.0, 30.0]), "{text}");
+            assert_eq!(Values::new(text).numbers_of(&["K"]), Some(vec![1.0, -2.0, 30.0]), "{text}");
         }
         for text in ["K: 3\nD: [1]\n", "K:\nD:\n- 1\n", "<a><B>1</B></a>", "k1: [1]"] {
-            assert_eq!(Values::new(text).numbers(&["K"]), None, "{text}");
+            assert_eq!(Values::new(text).numbers_of(&["K"]), None, "{text}");
         }
     }
 
     #[test]
     fn a_word_is_that_of_its_key_and_none_of_a_comment() {
         let yaml = "# model: fisheye\nmodel: \"radtan\" # not fisheye\nother: x\n";
-        assert_eq!(Values::new(yaml).word(&["model"]), Some("radtan"));
-        assert_eq!(Values::new("{\"model\": \"fisheye\"}").word(&["model"]), Some("fisheye"));
-        assert_eq!(Values::new("<a><model>fisheye</model></a>").word(&["model"]), Some("fisheye"));
-        assert_eq!(Values::new(yaml).word(&["kind"]), None);
+        assert_eq!(Values::new(yaml).word_of(&["model"]), Some("radtan"));
+        assert_eq!(Values::new("{\"model\": \"fisheye\"}").word_of(&["model"]), Some("fisheye"));
+        assert_eq!(Values::new("<a><model>fisheye</model></a>").word_of(&["model"]), Some("fisheye"));
+        assert_eq!(Values::new(yaml).word_of(&["kind"]), None);
     }
 }

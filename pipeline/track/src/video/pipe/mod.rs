@@ -52,17 +52,21 @@ pub(super) struct Pipe {
 impl Pipe {
     /// Opens a film with the two programs; pictures are rotated as the film is displayed. `filter` are further options of `ffmpeg`.
     pub(super) fn open(path: &Path, programs: Programs, filter: &[&str]) -> Result<Self, VideoError> {
-        let times = times(path, &programs)?;
+        let times = read_times(path, &programs)?;
         let mut command = Command::new(&programs.ffmpeg);
-        command.args(["-v", "error", "-nostdin", "-i"]).arg(named(path)).args(["-map", "0:v:0", "-an"]).args(filter);
+        command
+            .args(["-v", "error", "-nostdin", "-i"])
+            .arg(film_argument(path))
+            .args(["-map", "0:v:0", "-an"])
+            .args(filter);
         command.args(["-fps_mode", "passthrough", "-pix_fmt", "gray", "-strict", "-1", "-f", "yuv4mpegpipe", "-"]);
-        let mut ffmpeg = started(command, path, (&programs.ffmpeg, programs.limit))?;
-        let size = size(&mut ffmpeg, path, &programs.ffmpeg)?;
+        let mut ffmpeg = start_program(command, path, (&programs.ffmpeg, programs.limit))?;
+        let size = read_size(&mut ffmpeg, path, &programs.ffmpeg)?;
         Ok(Self { path: path.into(), program: programs.ffmpeg, ffmpeg, times, size, shown: 0 })
     }
 
     pub(super) fn info(&self) -> Info {
-        Info::of(self.size, &self.times)
+        Info::of_times(self.size, &self.times)
     }
 
     pub(super) fn next(&mut self) -> Option<Result<Frame, VideoError>> {
@@ -70,60 +74,62 @@ impl Pipe {
         if index == self.times.len() {
             return None;
         }
-        let picture = self.picture();
+        let picture = self.read_picture();
         self.shown = if picture.is_ok() { index + 1 } else { self.times.len() };
         let frame = |gray| Frame { index, time: self.times[index] - self.times[0], gray };
         Some(picture.map(frame).map_err(|stop| self.refuse(index, stop)))
     }
 
     /// The next picture.
-    fn picture(&mut self) -> Result<Gray, Stop> {
+    fn read_picture(&mut self) -> Result<Gray, Stop> {
         self.ffmpeg.restart_clock();
-        let head = self.ffmpeg.line()?;
+        let head = self.ffmpeg.read_line()?;
         if !head.is_some_and(|head| head.starts_with("FRAME")) {
             return Err(Stop::Ended);
         }
         let (width, height) = self.size;
         let mut pixels = vec![0; width * height];
-        self.ffmpeg.fill(&mut pixels)?;
+        self.ffmpeg.fill_buffer(&mut pixels)?;
         Ok(Gray { width, height, pixels })
     }
 
     fn refuse(&mut self, frame: usize, stop: Stop) -> VideoError {
-        let (expected, said) = (self.times.len(), self.ffmpeg.end());
+        let (expected, said) = (self.times.len(), self.ffmpeg.end_program());
         match stop {
             Stop::Ended => {
                 let why = with_words("ffmpeg ends before it".into(), &said);
                 VideoError::Damaged { path: self.path.clone(), frame, expected, why }
             }
-            other => {
-                failed(&self.path, &self.program, with_words(format!("frame {frame} of {expected}: {other}"), &said))
-            }
+            other => program_error(
+                &self.path,
+                &self.program,
+                with_words(format!("frame {frame} of {expected}: {other}"), &said),
+            ),
         }
     }
 }
 
 /// Times of the frames in the order of display, s. Frames that an edit list leaves out are marked by a D and left out here.
-fn times(path: &Path, programs: &Programs) -> Result<Vec<Second>, VideoError> {
+fn read_times(path: &Path, programs: &Programs) -> Result<Vec<Second>, VideoError> {
     let mut command = Command::new(&programs.ffprobe);
     command.args(["-v", "error", "-select_streams", "v:0", "-show_entries", "packet=pts_time,flags", "-of", "csv=p=0"]);
-    command.arg(named(path));
-    let mut ffprobe = started(command, path, (&programs.ffprobe, programs.limit))?;
-    let listed = listed(&mut ffprobe, LIMITS_FOR_TIMES * programs.limit);
-    let refuse = |why: String, said: String| failed(path, &programs.ffprobe, with_words(why, &said));
-    let mut times = listed.map_err(|why| refuse(why, ffprobe.end()))?;
+    command.arg(film_argument(path));
+    let mut ffprobe = start_program(command, path, (&programs.ffprobe, programs.limit))?;
+    let listed = list_times(&mut ffprobe, LIMITS_FOR_TIMES * programs.limit);
+    let refuse = |why: String, said: String| program_error(path, &programs.ffprobe, with_words(why, &said));
+    let mut times = listed.map_err(|why| refuse(why, ffprobe.end_program()))?;
     if times.is_empty() {
-        return Err(refuse("it lists no frame".into(), ffprobe.end()));
+        return Err(refuse("it lists no frame".into(), ffprobe.end_program()));
     }
     times.sort_by(f64::total_cmp);
     Ok(times)
 }
 
 /// The times that a program lists within `limit`, or why it was given up.
-fn listed(ffprobe: &mut Program, limit: Duration) -> Result<Vec<Second>, String> {
+fn list_times(ffprobe: &mut Program, limit: Duration) -> Result<Vec<Second>, String> {
     let (end, mut times, mut lines) = (Instant::now() + limit, Vec::new(), 0);
-    while let Some(line) = ffprobe.line().map_err(|stop| stop.to_string())? {
-        times.extend(time(&line));
+    while let Some(line) = ffprobe.read_line().map_err(|stop| stop.to_string())? {
+        times.extend(parse_time(&line));
         lines += 1;
         if lines > MAX_FRAMES {
             return Err(format!("it lists more than {MAX_FRAMES} frames, the limit"));
@@ -137,20 +143,24 @@ fn listed(ffprobe: &mut Program, limit: Duration) -> Result<Vec<Second>, String>
 }
 
 /// The time of a line "0.500000,K__", none for a frame that is not displayed or has no time.
-fn time(line: &str) -> Option<Second> {
+fn parse_time(line: &str) -> Option<Second> {
     let (time, flags) = line.trim().split_once(',').unwrap_or((line.trim(), ""));
     time.parse().ok().filter(|time: &Second| time.is_finite() && !flags.contains('D'))
 }
 
 /// Width and height in the header of the pictures.
-fn size(ffmpeg: &mut Program, path: &Path, program: &Path) -> Result<(usize, usize), VideoError> {
-    let head = match ffmpeg.line() {
+fn read_size(ffmpeg: &mut Program, path: &Path, program: &Path) -> Result<(usize, usize), VideoError> {
+    let head = match ffmpeg.read_line() {
         Ok(head) => head.unwrap_or_default(),
-        Err(stop) => return Err(failed(path, program, with_words(stop.to_string(), &ffmpeg.end()))),
+        Err(stop) => return Err(program_error(path, program, with_words(stop.to_string(), &ffmpeg.end_program()))),
     };
     let number = |letter: char| head.split(' ').find_map(|word| word.strip_prefix(letter)?.parse::<u64>().ok());
     let (Some(width), Some(height)) = (number('W'), number('H')) else {
-        return Err(failed(path, program, with_words("it makes no pictures of the film".into(), &ffmpeg.end())));
+        return Err(program_error(
+            path,
+            program,
+            with_words("it makes no pictures of the film".into(), &ffmpeg.end_program()),
+        ));
     };
     match is_picture_size(width, height) {
         true => Ok((width as usize, height as usize)),
@@ -158,13 +168,17 @@ fn size(ffmpeg: &mut Program, path: &Path, program: &Path) -> Result<(usize, usi
     }
 }
 
-fn started(mut command: Command, path: &Path, (program, limit): (&Path, Duration)) -> Result<Program, VideoError> {
+fn start_program(
+    mut command: Command,
+    path: &Path,
+    (program, limit): (&Path, Duration),
+) -> Result<Program, VideoError> {
     command.stdin(Stdio::null());
-    Program::start(command, limit).map_err(|e| failed(path, program, format!("it cannot be started: {e}")))
+    Program::start(command, limit).map_err(|e| program_error(path, program, format!("it cannot be started: {e}")))
 }
 
 /// The film as a name that is neither an option, whatever it begins with, nor an address of another protocol.
-fn named(path: &Path) -> OsString {
+fn film_argument(path: &Path) -> OsString {
     let mut name = OsString::from("file:");
     name.push(path);
     name
@@ -174,7 +188,7 @@ fn with_words(why: String, said: &str) -> String {
     if said.is_empty() { why } else { format!("{why}; its stderr ends with: {said}") }
 }
 
-fn failed(path: &Path, program: &Path, why: String) -> VideoError {
+fn program_error(path: &Path, program: &Path, why: String) -> VideoError {
     VideoError::Program { path: path.into(), program: program.into(), why }
 }
 

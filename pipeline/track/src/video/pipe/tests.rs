@@ -85,7 +85,7 @@ fn a_pipe_that_ends_early_names_the_frame_and_the_words_on_stderr() {
 #[test]
 fn frames_that_an_edit_list_leaves_out_have_no_time() {
     assert_eq!(
-        ["0.5,K__", "-0.1,_D_", "0.7,", "0.9", "N/A,__", "inf,K_"].map(time),
+        ["0.5,K__", "-0.1,_D_", "0.7,", "0.9", "N/A,__", "inf,K_"].map(parse_time),
         [Some(0.5), None, Some(0.7), Some(0.9), None, None]
     );
 }

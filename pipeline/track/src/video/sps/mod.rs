@@ -32,19 +32,20 @@ impl SequenceParameters {
         let bytes = without_emulation_prevention(unit.get(1..unit.len().min(MAX_BYTES))?);
         let (&profile, _) = bytes.split_first()?;
         let mut bits = Bits { bytes: &bytes, at: 24 };
-        bits.unsigned()?; // seq_parameter_set_id
-        let (chroma_format, bit_depths) = if WITH_FORMAT.contains(&profile) { format(&mut bits)? } else { (1, [8, 8]) };
+        bits.read_unsigned()?; // seq_parameter_set_id
+        let (chroma_format, bit_depths) =
+            if WITH_FORMAT.contains(&profile) { read_format(&mut bits)? } else { (1, [8, 8]) };
         order_count(&mut bits)?;
-        bits.unsigned()?; // max_num_ref_frames
-        bits.bit()?; // gaps_in_frame_num_value_allowed_flag
-        let (macroblocks, is_progressive) = macroblocks(&mut bits)?;
-        bits.bit()?; // direct_8x8_inference_flag
-        let size = cropped(&mut bits, macroblocks, crop_units(chroma_format, is_progressive))?;
+        bits.read_unsigned()?; // max_num_ref_frames
+        bits.read_bit()?; // gaps_in_frame_num_value_allowed_flag
+        let (macroblocks, is_progressive) = read_macroblocks(&mut bits)?;
+        bits.read_bit()?; // direct_8x8_inference_flag
+        let size = cropped_size(&mut bits, macroblocks, crop_units(chroma_format, is_progressive))?;
         Some(Self { profile, chroma_format, bit_depths, is_progressive, macroblocks, size })
     }
 
     /// What the built-in decoder lacks for it.
-    pub(super) fn unsupported(&self) -> Option<Feature> {
+    pub(super) fn unsupported_feature(&self) -> Option<Feature> {
         let [width, height] = self.macroblocks;
         match *self {
             Self { chroma_format: 2, .. } => Some(Feature::Chroma("4:2:2")),
@@ -63,17 +64,17 @@ impl SequenceParameters {
 }
 
 /// chroma_format_idc and the bit depths.
-fn format(bits: &mut Bits) -> Option<(u32, [u32; 2])> {
-    let chroma_format = bits.unsigned().filter(|&format| format <= 3)?;
+fn read_format(bits: &mut Bits) -> Option<(u32, [u32; 2])> {
+    let chroma_format = bits.read_unsigned().filter(|&format| format <= 3)?;
     if chroma_format == 3 {
-        bits.bit()?; // separate_colour_plane_flag
+        bits.read_bit()?; // separate_colour_plane_flag
     }
-    let mut depth = || bits.unsigned().filter(|&more| more <= 6).map(|more| 8 + more);
+    let mut depth = || bits.read_unsigned().filter(|&more| more <= 6).map(|more| 8 + more);
     let depths = [depth()?, depth()?];
-    bits.bit()?; // qpprime_y_zero_transform_bypass_flag
-    if bits.bit()? {
+    bits.read_bit()?; // qpprime_y_zero_transform_bypass_flag
+    if bits.read_bit()? {
         for list in 0..if chroma_format == 3 { 12 } else { 8 } {
-            if bits.bit()? {
+            if bits.read_bit()? {
                 pass_scaling_list(bits, if list < 6 { 16 } else { 64 })?;
             }
         }
@@ -86,7 +87,7 @@ fn pass_scaling_list(bits: &mut Bits, length: usize) -> Option<()> {
     let (mut last, mut next) = (8_i32, 8_i32);
     for _ in 0..length {
         if next != 0 {
-            next = last.wrapping_add(bits.signed()?).rem_euclid(256);
+            next = last.wrapping_add(bits.read_signed()?).rem_euclid(256);
         }
         last = if next == 0 { last } else { next };
     }
@@ -95,15 +96,15 @@ fn pass_scaling_list(bits: &mut Bits, length: usize) -> Option<()> {
 
 /// Passes over log2_max_frame_num_minus4 and the picture order count.
 fn order_count(bits: &mut Bits) -> Option<()> {
-    bits.unsigned()?;
-    match bits.unsigned()? {
-        0 => bits.unsigned().map(drop),
+    bits.read_unsigned()?;
+    match bits.read_unsigned()? {
+        0 => bits.read_unsigned().map(drop),
         1 => {
-            bits.bit()?;
-            let _ = (bits.signed()?, bits.signed()?);
+            bits.read_bit()?;
+            let _ = (bits.read_signed()?, bits.read_signed()?);
             // at most 255 by section 7.4.2.1.1; a longer cycle is damage
-            let cycle = bits.unsigned().filter(|&n| n <= 255)?;
-            (0..cycle).try_for_each(|_| bits.signed().map(drop))
+            let cycle = bits.read_unsigned().filter(|&n| n <= 255)?;
+            (0..cycle).try_for_each(|_| bits.read_signed().map(drop))
         }
         2 => Some(()),
         _ => None,
@@ -111,13 +112,13 @@ fn order_count(bits: &mut Bits) -> Option<()> {
 }
 
 /// Width and height in macroblocks, and frame_mbs_only_flag.
-fn macroblocks(bits: &mut Bits) -> Option<([u64; 2], bool)> {
-    let (width, height) = (u64::from(bits.unsigned()?) + 1, u64::from(bits.unsigned()?) + 1);
-    let is_progressive = bits.bit()?;
+fn read_macroblocks(bits: &mut Bits) -> Option<([u64; 2], bool)> {
+    let (width, height) = (u64::from(bits.read_unsigned()?) + 1, u64::from(bits.read_unsigned()?) + 1);
+    let is_progressive = bits.read_bit()?;
     if is_progressive {
         return Some(([width, height], true));
     }
-    bits.bit()?; // mb_adaptive_frame_field_flag
+    bits.read_bit()?; // mb_adaptive_frame_field_flag
     // heights are those of a field, half of a frame's
     Some(([width, 2 * height], false))
 }
@@ -133,10 +134,10 @@ fn crop_units(chroma_format: u32, is_progressive: bool) -> [u64; 2] {
 }
 
 /// Displayed width and height: the macroblocks without the cropping, which is counted in `units` of pixels.
-fn cropped(bits: &mut Bits, macroblocks: [u64; 2], units: [u64; 2]) -> Option<[u64; 2]> {
+fn cropped_size(bits: &mut Bits, macroblocks: [u64; 2], units: [u64; 2]) -> Option<[u64; 2]> {
     let [mut width, mut height] = macroblocks.map(|n| 16 * n);
-    if bits.bit()? {
-        let mut crop = || bits.unsigned().map(u64::from);
+    if bits.read_bit()? {
+        let mut crop = || bits.read_unsigned().map(u64::from);
         let [left, right, top, bottom] = [crop()?, crop()?, crop()?, crop()?];
         width = width.checked_sub((left + right) * units[0])?;
         height = height.checked_sub((top + bottom) * units[1])?;
@@ -166,7 +167,7 @@ struct Bits<'a> {
 }
 
 impl Bits<'_> {
-    fn bit(&mut self) -> Option<bool> {
+    fn read_bit(&mut self) -> Option<bool> {
         let byte = self.bytes.get(self.at / 8)?;
         let bit = byte >> (7 - self.at % 8) & 1;
         self.at += 1;
@@ -174,24 +175,24 @@ impl Bits<'_> {
     }
 
     /// An Exp-Golomb code (section 9.1); none when it has more than 32 bits.
-    fn unsigned(&mut self) -> Option<u32> {
+    fn read_unsigned(&mut self) -> Option<u32> {
         let mut zeros = 0;
-        while !self.bit()? {
+        while !self.read_bit()? {
             zeros += 1;
             if zeros > 31 {
                 return None;
             }
         }
-        let mut rest = 0;
+        let mut suffix = 0;
         for _ in 0..zeros {
-            rest = rest << 1 | u32::from(self.bit()?);
+            suffix = suffix << 1 | u32::from(self.read_bit()?);
         }
-        Some((1_u32 << zeros) - 1 + rest)
+        Some((1_u32 << zeros) - 1 + suffix)
     }
 
     /// A signed Exp-Golomb code (section 9.1.1).
-    fn signed(&mut self) -> Option<i32> {
-        let code = i64::from(self.unsigned()?);
+    fn read_signed(&mut self) -> Option<i32> {
+        let code = i64::from(self.read_unsigned()?);
         let magnitude = (code + 1) / 2;
         i32::try_from(if code % 2 == 1 { magnitude } else { -magnitude }).ok()
     }

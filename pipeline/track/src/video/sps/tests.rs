@@ -68,14 +68,14 @@ fn read(set: Set) -> SequenceParameters {
 #[test]
 fn a_full_hd_film_of_profile_high_is_read_with_its_cropping() {
     assert_eq!(read(HIGH).size, [1920, 1080]);
-    assert_eq!(read(HIGH).unsupported(), None);
+    assert_eq!(read(HIGH).unsupported_feature(), None);
     assert_eq!(read(Set { profile: 66, ..HIGH }).size, [1920, 1080]);
     assert_eq!(read(Set { crop: [1, 2, 3, 4], ..HIGH }).size, [1914, 1074]);
 }
 
 #[test]
 fn each_format_that_is_not_decoded_is_named() {
-    let named = |set| read(set).unsupported();
+    let named = |set| read(set).unsupported_feature();
     assert_eq!(named(Set { profile: 110, bits: 10, ..HIGH }), Some(Feature::BitDepth(10)));
     assert_eq!(named(Set { profile: 122, chroma_format: 2, ..HIGH }), Some(Feature::Chroma("4:2:2")));
     assert_eq!(named(Set { profile: 244, chroma_format: 3, ..HIGH }), Some(Feature::Chroma("4:4:4")));
@@ -87,7 +87,7 @@ fn each_format_that_is_not_decoded_is_named() {
 #[test]
 fn an_interlaced_film_has_twice_the_rows_and_crops_by_four() {
     let set = read(Set { progressive: false, macroblocks: [120, 34], crop: [0, 0, 0, 2], ..HIGH });
-    assert_eq!((set.size, set.unsupported()), ([1920, 1080], Some(Feature::Interlaced)));
+    assert_eq!((set.size, set.unsupported_feature()), ([1920, 1080], Some(Feature::Interlaced)));
 }
 
 #[test]
@@ -97,13 +97,13 @@ fn emulation_prevention_is_removed() {
 
 #[test]
 fn codes_are_bounded_in_length_and_range() {
-    let unsigned = |bytes: &[u8]| Bits { bytes, at: 0 }.unsigned();
+    let unsigned = |bytes: &[u8]| Bits { bytes, at: 0 }.read_unsigned();
     assert_eq!(unsigned(&[0b0010_1000]), Some(4));
     assert_eq!(unsigned(&[0, 0, 0, 1, 0xff, 0xff, 0xff, 0xff]), Some(u32::MAX - 1));
     assert_eq!(unsigned(&[0; 100]), None);
     assert_eq!(unsigned(&[0, 0, 1]), None);
-    assert_eq!(Bits { bytes: &[0b0010_0000], at: 0 }.signed(), Some(2));
-    assert_eq!(Bits { bytes: &[0b0010_1000], at: 0 }.signed(), Some(-2));
+    assert_eq!(Bits { bytes: &[0b0010_0000], at: 0 }.read_signed(), Some(2));
+    assert_eq!(Bits { bytes: &[0b0010_1000], at: 0 }.read_signed(), Some(-2));
 }
 
 #[test]
@@ -122,6 +122,6 @@ fn a_set_that_is_cut_or_damaged_ends_in_none_or_some_but_never_in_a_panic() {
             })
             .collect();
         bytes[1] = [100, 66, 244][round % 3];
-        let _ = SequenceParameters::read(&bytes).map(|set| set.unsupported());
+        let _ = SequenceParameters::read(&bytes).map(|set| set.unsupported_feature());
     }
 }
