@@ -52,7 +52,7 @@ impl<'a> Assembly<'a> {
     /// itself, or a part lies in another one in part.
     pub(crate) fn expected_volumes(&self) -> Vec<Option<CubicMetre>> {
         let surfaces = self.surfaces();
-        let windings: Vec<Winding> = surfaces.iter().map(|surface| winding(surface)).collect();
+        let windings: Vec<Winding> = surfaces.iter().map(|surface| surface_winding(surface)).collect();
         let mut volumes: Vec<Option<f64>> =
             surfaces.iter().zip(&windings).map(|(s, w)| is_simple(s, w).then(|| s.volume())).collect();
         for inner in (1..surfaces.len()).rev() {
@@ -72,23 +72,25 @@ impl<'a> Assembly<'a> {
     }
 
     /// The parts of the surfaces that bound something, where others lie within a solid or within a cavity; none where all do.
-    pub(crate) fn visible(&self, edge: Metre) -> Option<Surface> {
+    pub(crate) fn visible_parts(&self, edge: Metre) -> Option<Surface> {
         let surfaces = self.surfaces();
-        let space = Space { windings: surfaces.iter().map(|s| winding(s)).collect(), solids: 1 + self.inserts.len() };
+        let space =
+            Space { windings: surfaces.iter().map(|s| surface_winding(s)).collect(), solids: 1 + self.inserts.len() };
         let depth = DEPTH * edge;
-        let bounds = |corners: [Point3; 3], place: Point3| {
+        let bounds = |corners: [Point3; 3], point: Point3| {
             let normal = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
-            let by = scale(normal, depth / norm(normal).max(f64::MIN_POSITIVE));
-            space.label(add(place, by)) != space.label(sub(place, by))
+            let offset = scale(normal, depth / norm(normal).max(f64::MIN_POSITIVE));
+            space.part_at(add(point, offset)) != space.part_at(sub(point, offset))
         };
-        let probed = |s: &&Surface| probes(s).into_iter().all(|f| bounds(s.corners(f), middle(s.corners(f))));
+        let probed =
+            |s: &&Surface| probe_faces(s).into_iter().all(|f| bounds(s.corners(f), triangle_centroid(s.corners(f))));
         if surfaces.iter().all(probed) {
             return None;
         }
         let mut visible = Surface::default();
         let faces = surfaces.iter().flat_map(|s| (0..s.faces.len()).map(|f| s.corners(f)));
         for face in faces {
-            for piece in pieces(face, &|place| bounds(face, place), [0.05 * edge, edge]) {
+            for piece in visible_pieces(face, &|point| bounds(face, point), [0.05 * edge, edge]) {
                 let first = visible.points.len() as u32;
                 visible.points.extend(piece);
                 visible.faces.push([first, first + 1, first + 2]);
@@ -106,22 +108,22 @@ struct Space {
 }
 
 impl Space {
-    fn label(&self, place: Point3) -> usize {
-        let holding = self.windings.iter().rposition(|w| w.number_at(place) > 0.5);
+    fn part_at(&self, point: Point3) -> usize {
+        let holding = self.windings.iter().rposition(|w| w.number_at(point) > 0.5);
         holding.filter(|part| *part < self.solids).unwrap_or(usize::MAX)
     }
 }
 
-fn winding(surface: &Surface) -> Winding {
+fn surface_winding(surface: &Surface) -> Winding {
     Winding::new(&(0..surface.faces.len()).map(|f| surface.corners(f)).collect::<Vec<_>>())
 }
 
-fn middle(corners: [Point3; 3]) -> Point3 {
+fn triangle_centroid(corners: [Point3; 3]) -> Point3 {
     scale(corners.into_iter().fold([0.0; 3], add), 1.0 / 3.0)
 }
 
 /// Faces of some area, evenly spaced in their list.
-fn probes(surface: &Surface) -> Vec<usize> {
+fn probe_faces(surface: &Surface) -> Vec<usize> {
     let step = surface.faces.len().div_ceil(PROBES).max(1);
     (0..surface.faces.len()).step_by(step).filter(|f| norm(surface.normal(*f)) > 0.0).collect()
 }
@@ -129,10 +131,10 @@ fn probes(surface: &Surface) -> Vec<usize> {
 /// The share of points just inside of a surface where something holds.
 fn share_inside(surface: &Surface, holds: impl Fn(Point3) -> bool) -> f64 {
     let depth = DEPTH * surface.length();
-    let probes = probes(surface);
+    let probes = probe_faces(surface);
     let inside = |face: usize| {
         let normal = surface.normal(face);
-        add(middle(surface.corners(face)), scale(normal, -depth / norm(normal)))
+        add(triangle_centroid(surface.corners(face)), scale(normal, -depth / norm(normal)))
     };
     probes.iter().filter(|face| holds(inside(**face))).count() as f64 / probes.len().max(1) as f64
 }
@@ -144,14 +146,18 @@ fn is_simple(surface: &Surface, winding: &Winding) -> bool {
 
 /// The parts of a triangle that are visible: cut in two until they are so as a whole, or shorter than the first length; those longer than the
 /// second are cut in any case.
-fn pieces(face: [Point3; 3], is_visible: &dyn Fn(Point3) -> bool, [shortest, longest]: [Metre; 2]) -> Vec<[Point3; 3]> {
+fn visible_pieces(
+    face: [Point3; 3],
+    is_visible: &dyn Fn(Point3) -> bool,
+    [shortest, longest]: [Metre; 2],
+) -> Vec<[Point3; 3]> {
     let (mut visible, mut stack) = (Vec::new(), vec![face]);
     while let Some(piece) = stack.pop() {
         let [a, b, c] = piece;
         let sides = [[a, b, c], [b, c, a], [c, a, b]];
         let lengths = sides.map(|[p, q, _]| norm(sub(p, q)));
         let longest_side = (0..3).max_by(|i, j| lengths[*i].total_cmp(&lengths[*j])).unwrap_or(0);
-        let centre = middle(piece);
+        let centre = triangle_centroid(piece);
         // corners are seen from a little within the piece: on an edge of the surface a place has no one side
         let inner = piece.map(|p| is_visible(add(scale(p, 0.9), scale(centre, 0.1))));
         let count = inner.into_iter().chain([is_visible(centre)]).filter(|v| *v).count();
@@ -189,12 +195,12 @@ mod tests {
         crossed.points.extend(&other.points);
         crossed.faces.extend(other.faces.iter().map(|f| f.map(|n| n + 8)));
         let solid = Assembly::of_body(&crossed, None);
-        let visible = solid.visible(2e-3).unwrap();
+        let visible = solid.visible_parts(2e-3).unwrap();
         // both surfaces less the ring of the second within the first, and two holes of 10 by 6 mm in the first
         let area = 1.4e-3 + 1.08e-3 - 3.2e-4 - 1.2e-4;
         assert!((visible.area() / area - 1.0).abs() < 0.03, "{}", visible.area() / area);
         assert_eq!(solid.expected_volumes(), [None]);
-        assert!(Assembly::of_body(&other, None).visible(2e-3).is_none());
+        assert!(Assembly::of_body(&other, None).visible_parts(2e-3).is_none());
     }
 
     #[test]

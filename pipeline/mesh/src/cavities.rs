@@ -39,11 +39,11 @@ pub fn cavities(solid: &Solid) -> Vec<Cavity> {
         let cut = solid.half() && corners.iter().any(|at| at[2] == 0.0);
         *sum = (add(sum.0, moment), sum.1 + volume, sum.2 || cut);
     }
-    sums.into_iter().map(|(moment, volume, cut)| cavity(moment, volume, cut)).collect()
+    sums.into_iter().map(|(moment, volume, cut)| cavity_from_moment(moment, volume, cut)).collect()
 }
 
 /// The cavity of this moment and volume, which may be those of a half.
-pub(crate) fn cavity(moment: Point3, volume: f64, cut: bool) -> Cavity {
+pub(crate) fn cavity_from_moment(moment: Point3, volume: f64, cut: bool) -> Cavity {
     let centroid = scale(moment, 1.0 / volume);
     match cut {
         true => Cavity { centroid: [centroid[0], centroid[1], 0.0], volume: 2.0 * volume, cut },
@@ -58,7 +58,7 @@ pub(crate) fn moment_and_volume(corners: &[Point3]) -> (Point3, CubicMetre) {
         for (part, other) in GAUSS {
             // onto the triangle
             let squeezed = if corners.len() == 8 { 1.0 } else { 1.0 - xi };
-            let [x, by_xi, by_eta] = frame(corners, xi, part * squeezed);
+            let [x, by_xi, by_eta] = point_and_tangents(corners, xi, part * squeezed);
             let normal = scale(cross(by_xi, by_eta), weight * other * squeezed);
             volume -= dot(x, normal) / 3.0;
             (0..3).for_each(|k| moment[k] -= x[k] * x[k] * normal[k] / 2.0);
@@ -68,26 +68,26 @@ pub(crate) fn moment_and_volume(corners: &[Point3]) -> (Point3, CubicMetre) {
 }
 
 /// The place (ξ, η) of a face and its two tangents.
-fn frame(corners: &[Point3], xi: f64, eta: f64) -> [Point3; 3] {
-    let rest = 1.0 - xi - eta;
+fn point_and_tangents(corners: &[Point3], xi: f64, eta: f64) -> [Point3; 3] {
+    let zeta = 1.0 - xi - eta;
     let shapes: Vec<[f64; 3]> = match corners.len() {
-        3 => vec![[rest, -1.0, -1.0], [xi, 1.0, 0.0], [eta, 0.0, 1.0]],
-        8 => quadrilateral(xi, eta),
+        3 => vec![[zeta, -1.0, -1.0], [xi, 1.0, 0.0], [eta, 0.0, 1.0]],
+        8 => quadrilateral_shapes(xi, eta),
         _ => vec![
-            [rest * (2.0 * rest - 1.0), 1.0 - 4.0 * rest, 1.0 - 4.0 * rest],
+            [zeta * (2.0 * zeta - 1.0), 1.0 - 4.0 * zeta, 1.0 - 4.0 * zeta],
             [xi * (2.0 * xi - 1.0), 4.0 * xi - 1.0, 0.0],
             [eta * (2.0 * eta - 1.0), 0.0, 4.0 * eta - 1.0],
-            [4.0 * rest * xi, 4.0 * (rest - xi), -4.0 * xi],
+            [4.0 * zeta * xi, 4.0 * (zeta - xi), -4.0 * xi],
             [4.0 * xi * eta, 4.0 * eta, 4.0 * xi],
-            [4.0 * eta * rest, -4.0 * eta, 4.0 * (rest - eta)],
+            [4.0 * eta * zeta, -4.0 * eta, 4.0 * (zeta - eta)],
         ],
     };
-    let sum = |k: usize| shapes.iter().zip(corners).fold([0.0; 3], |sum, (n, at)| add(sum, scale(*at, n[k])));
+    let sum = |k: usize| shapes.iter().zip(corners).fold([0.0; 3], |sum, (n, corner)| add(sum, scale(*corner, n[k])));
     [sum(0), sum(1), sum(2)]
 }
 /// Shape functions of the quadrilateral of eight nodes and their derivatives: at the middles of its sides the linear function across times
 /// 4 ξ (1 − ξ), at its corners the linear function less half of those of the two sides.
-fn quadrilateral(x: f64, y: f64) -> Vec<[f64; 3]> {
+fn quadrilateral_shapes(x: f64, y: f64) -> Vec<[f64; 3]> {
     let times = |[a, by_x]: [f64; 2], [b, by_y]: [f64; 2]| [a * b, by_x * b, a * by_y];
     let linear = |t: f64| [[1.0 - t, -1.0], [t, 1.0]];
     let bent = |t: f64| [4.0 * t * (1.0 - t), 4.0 - 8.0 * t];

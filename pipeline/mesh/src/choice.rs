@@ -82,7 +82,7 @@ pub fn mesh_chosen(
     match (choice, refused) {
         (ElementChoice::Hexahedra(_), Some(why)) => Err(why),
         (_, not_hexahedra) => {
-            let ((linear, report), not_columns) = tetrahedra(&Assembly::of_body(body, spine), set, &|_| ())?;
+            let ((linear, report), not_columns) = mesh_tetrahedra(&Assembly::of_body(body, spine), set, &|_| ())?;
             Ok(Chosen { solid: quadratic(&linear), report, not_hexahedra, not_columns })
         }
     }
@@ -96,19 +96,19 @@ type Tetrahedra = ((TetMesh, Report), Option<MeshError>);
 /// # Errors
 /// [`MeshError`] of the surfaces, which names the part and the place.
 pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
-    let ((linear, report), not_columns) = tetrahedra(assembly, set, watch)?;
+    let ((linear, report), not_columns) = mesh_tetrahedra(assembly, set, watch)?;
     Ok(Chosen { solid: quadratic(&linear), report, not_hexahedra: None, not_columns })
 }
 
 /// A body in tetrahedra by the method of the settings.
-fn tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Tetrahedra, MeshError> {
+fn mesh_tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Tetrahedra, MeshError> {
     match set.method {
-        Method::Columns => Ok((columns(assembly, set)?, None)),
+        Method::Columns => Ok((mesh_columns(assembly, set)?, None)),
         Method::General => Ok((mesh_general(assembly, set, watch)?, None)),
         // the general method meshes whole bodies alone
-        Method::Auto if set.use_symmetry => Ok((columns(assembly, set)?, None)),
+        Method::Auto if set.use_symmetry => Ok((mesh_columns(assembly, set)?, None)),
         Method::Auto => {
-            match columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
+            match mesh_columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
                 Ok(made) => Ok((made, None)),
                 // the general method would take as much
                 Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
@@ -121,7 +121,7 @@ fn tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Resu
     }
 }
 
-fn columns(assembly: &Assembly, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
+fn mesh_columns(assembly: &Assembly, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
     match (assembly.inserts.as_slice(), assembly.cavities.len()) {
         ([], 0) => mesh_without_sheet(assembly.body, set),
         ([spine], 0) => mesh(assembly.body, spine, set),

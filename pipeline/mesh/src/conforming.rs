@@ -24,7 +24,7 @@ impl TetMesh {
         if self.has_open_skin() {
             return Some("the skin is open".into());
         }
-        let enclosed: f64 = self.skin.iter().map(|face| self.cone(face)).sum();
+        let enclosed: f64 = self.skin.iter().map(|face| self.cone_volume(face)).sum();
         let solid: f64 = (0..self.tets.len()).map(|t| self.volume(t)).sum();
         let differs = (enclosed - solid).abs() >= VOLUME_TOLERANCE * solid;
         differs.then(|| format!("the skin encloses {enclosed} m³, the elements have {solid} m³"))
@@ -56,7 +56,7 @@ impl TetMesh {
     }
 
     /// Signed volume of the tetrahedron that a face of the skin spans with the origin, m³.
-    pub(crate) fn cone(&self, face: &crate::SkinFace) -> f64 {
+    pub(crate) fn cone_volume(&self, face: &crate::SkinFace) -> f64 {
         let [a, b, c] = face.nodes.map(|n| self.nodes[n as usize]);
         dot(a, cross(b, c)) / 6.0
     }

@@ -27,7 +27,7 @@ impl Nearest {
     pub fn new(corners: Vec<[Point3; 3]>) -> Self {
         let (mut low, mut high, mut size) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
         for c in &corners {
-            let (l, h) = span(c);
+            let (l, h) = bounding_box(c);
             (0..3).for_each(|k| (low[k], high[k]) = (low[k].min(l[k]), high[k].max(h[k])));
             size += norm(sub(h, l));
         }
@@ -35,16 +35,16 @@ impl Nearest {
         let cell = (size / corners.len().max(1) as f64).max(side / 64.0).max(f64::MIN_POSITIVE);
         let counts = [0, 1, 2].map(|k| (((high[k] - low[k]) / cell) as usize) + 1);
         let mut grid = Self { corners, low, cell, counts, starts: Vec::new(), members: Vec::new() };
-        grid.sort();
+        grid.sort_into_cells();
         grid
     }
 
-    fn sort(&mut self) {
+    fn sort_into_cells(&mut self) {
         let mut pairs = Vec::new();
         for (face, corners) in self.corners.iter().enumerate() {
-            let (low, high) = span(corners);
+            let (low, high) = bounding_box(corners);
             let (first, last) = (self.cell_of(low), self.cell_of(high));
-            each_cell(first, last, |c| pairs.push((self.index(c) as u32, face as u32)));
+            each_cell(first, last, |c| pairs.push((self.cell_index(c) as u32, face as u32)));
         }
         pairs.sort_unstable();
         let cells = self.counts.iter().product::<usize>();
@@ -56,34 +56,34 @@ impl Nearest {
         [0, 1, 2].map(|k| (((at[k] - self.low[k]) / self.cell).max(0.0) as usize).min(self.counts[k] - 1))
     }
 
-    fn index(&self, cell: [usize; 3]) -> usize {
+    fn cell_index(&self, cell: [usize; 3]) -> usize {
         (cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]
     }
 
     /// The nearest point to `at`; of equally near faces the one with the lowest number.
-    pub fn find(&self, at: Point3) -> Option<Hit> {
-        let (centre, mut best) = (self.cell_of(at), None::<Hit>);
+    pub fn find(&self, point: Point3) -> Option<Hit> {
+        let (centre, mut best) = (self.cell_of(point), None::<Hit>);
         for ring in 0..self.counts.iter().copied().max().unwrap_or(0) {
-            if best.is_some_and(|b| b.distance < self.beyond(at, centre, ring)) {
+            if best.is_some_and(|b| b.distance < self.ring_distance(point, centre, ring)) {
                 break;
             }
-            self.ring(centre, ring, |cell| self.look(cell, at, &mut best));
+            self.visit_ring(centre, ring, |cell| self.search_cell(cell, point, &mut best));
         }
         best
     }
 
-    /// How far from `at` the cells of this ring begin, m; infinite when none are left.
-    fn beyond(&self, at: Point3, centre: [usize; 3], ring: usize) -> Metre {
+    /// How far from `point` the cells of this ring begin, m; infinite when none are left.
+    fn ring_distance(&self, point: Point3, centre: [usize; 3], ring: usize) -> Metre {
         let wall = |k: usize, cell: usize| self.low[k] + cell as f64 * self.cell;
         let side = |k: usize| {
-            let down = centre[k].checked_sub(ring).map(|_| at[k] - wall(k, centre[k] + 1 - ring));
-            let up = (centre[k] + ring < self.counts[k]).then(|| wall(k, centre[k] + ring) - at[k]);
-            down.unwrap_or(f64::INFINITY).min(up.unwrap_or(f64::INFINITY))
+            let lower_distance = centre[k].checked_sub(ring).map(|_| point[k] - wall(k, centre[k] + 1 - ring));
+            let upper_distance = (centre[k] + ring < self.counts[k]).then(|| wall(k, centre[k] + ring) - point[k]);
+            lower_distance.unwrap_or(f64::INFINITY).min(upper_distance.unwrap_or(f64::INFINITY))
         };
         if ring == 0 { 0.0 } else { side(0).min(side(1)).min(side(2)) }
     }
 
-    fn ring(&self, centre: [usize; 3], ring: usize, mut visit: impl FnMut([usize; 3])) {
+    fn visit_ring(&self, centre: [usize; 3], ring: usize, mut visit: impl FnMut([usize; 3])) {
         let first = centre.map(|c| c.saturating_sub(ring));
         let last = [0, 1, 2].map(|k| (centre[k] + ring).min(self.counts[k] - 1));
         each_cell(first, last, |cell| {
@@ -93,10 +93,10 @@ impl Nearest {
         });
     }
 
-    fn look(&self, cell: [usize; 3], at: Point3, best: &mut Option<Hit>) {
-        let cell = self.index(cell);
+    fn search_cell(&self, cell: [usize; 3], point: Point3, best: &mut Option<Hit>) {
+        let cell = self.cell_index(cell);
         for &face in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
-            let (shares, distance) = on_triangle(at, &self.corners[face as usize]);
+            let (shares, distance) = on_triangle(point, &self.corners[face as usize]);
             let wins = |b: &Hit| (distance, face as usize) < (b.distance, b.face);
             if best.as_ref().is_none_or(wins) {
                 *best = Some(Hit { face: face as usize, shares, distance });
@@ -105,7 +105,7 @@ impl Nearest {
     }
 }
 
-fn span(corners: &[Point3; 3]) -> (Point3, Point3) {
+fn bounding_box(corners: &[Point3; 3]) -> (Point3, Point3) {
     let [a, b, c] = corners;
     ([0, 1, 2].map(|k| a[k].min(b[k]).min(c[k])), [0, 1, 2].map(|k| a[k].max(b[k]).max(c[k])))
 }

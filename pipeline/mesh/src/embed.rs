@@ -26,18 +26,18 @@ impl Spot {
 /// functions of the face there, which follow it when it curves. Faces of cavities and of the plane of symmetry are not searched.
 /// In a half model the mirror image stands for a point below the plane of symmetry: x and y of both move alike.
 /// A mesh without outer skin gives an empty spot at infinite distance.
-pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
+pub fn embed(mesh: &QuadraticMesh, point: Point3) -> (Spot, Metre) {
     let outer = mesh.skin.iter().filter(|face| face.on == Skin::Outer);
-    let parts: Vec<_> = outer.flat_map(|face| parts(face).into_iter().map(move |part| (face, part))).collect();
+    let parts: Vec<_> = outer.flat_map(|face| plane_parts(face).into_iter().map(move |part| (face, part))).collect();
     let corners = parts.iter().map(|(_, (part, _))| part.map(|node| mesh.nodes[node as usize])).collect();
-    match Nearest::new(corners).find(upper(at, mesh.half)) {
+    match Nearest::new(corners).find(in_upper_half(point, mesh.half)) {
         None => (Spot { weights: Vec::new() }, f64::INFINITY),
         Some(hit) => {
             let (face, (_, places)) = &parts[hit.face];
-            let place = [0, 1].map(|k| (0..3).map(|n| hit.shares[n] * places[n][k]).sum());
+            let local = [0, 1].map(|k| (0..3).map(|n| hit.shares[n] * places[n][k]).sum());
             let functions = match face.corners().len() {
                 3 => triangle_functions(hit.shares).to_vec(),
-                _ => shape_functions(8, place),
+                _ => shape_functions(8, local),
             };
             let weights = face.nodes().iter().copied().zip(functions);
             (Spot { weights: weights.filter(|w| w.1 != 0.0).collect() }, hit.distance)
@@ -46,7 +46,7 @@ pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
 }
 
 /// The plane triangles on which the nearest point of a face is searched, with the places of their corners on the reference face.
-fn parts(face: &QuadraticFace) -> Vec<([u32; 3], [Point2; 3])> {
+fn plane_parts(face: &QuadraticFace) -> Vec<([u32; 3], [Point2; 3])> {
     match *face.corners() {
         [a, b, c] => vec![([a, b, c], [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])],
         _ => face.parts(),
@@ -57,7 +57,7 @@ fn parts(face: &QuadraticFace) -> Vec<([u32; 3], [Point2; 3])> {
 pub(crate) fn embed_linear(mesh: &TetMesh, at: Point3) -> (Spot, Metre) {
     let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
     let corners = outer.iter().map(|face| face.nodes.map(|node| mesh.nodes[node as usize])).collect();
-    match Nearest::new(corners).find(upper(at, mesh.half)) {
+    match Nearest::new(corners).find(in_upper_half(at, mesh.half)) {
         None => (Spot { weights: Vec::new() }, f64::INFINITY),
         Some(hit) => {
             let weights = outer[hit.face].nodes.into_iter().zip(hit.shares);
@@ -67,7 +67,7 @@ pub(crate) fn embed_linear(mesh: &TetMesh, at: Point3) -> (Spot, Metre) {
 }
 
 /// A point, or its mirror image in the half that is meshed.
-fn upper([x, y, z]: Point3, half: bool) -> Point3 {
+fn in_upper_half([x, y, z]: Point3, half: bool) -> Point3 {
     [x, y, if half { z.abs() } else { z }]
 }
 

@@ -14,17 +14,17 @@ pub struct Frame {
 
 impl Frame {
     /// Plan point and height of a point in space, m.
-    pub fn split(self, at: Point3) -> (Point2, Metre) {
-        ([at[(self.normal + 1) % 3], at[(self.normal + 2) % 3]], at[self.normal])
+    pub fn split(self, point: Point3) -> (Point2, Metre) {
+        ([point[(self.normal + 1) % 3], point[(self.normal + 2) % 3]], point[self.normal])
     }
 
     /// The point in space, m.
     pub fn join(self, plan: Point2, height: Metre) -> Point3 {
-        let mut at = [0.0; 3];
-        at[self.normal] = height;
-        at[(self.normal + 1) % 3] = plan[0];
-        at[(self.normal + 2) % 3] = plan[1];
-        at
+        let mut point = [0.0; 3];
+        point[self.normal] = height;
+        point[(self.normal + 1) % 3] = plan[0];
+        point[(self.normal + 2) % 3] = plan[1];
+        point
     }
 
     /// Index in a plan point of the space axis `axis`; none for the normal itself.
@@ -34,7 +34,7 @@ impl Frame {
 }
 
 /// Twice the signed area of a plan triangle, m²; positive when counterclockwise.
-pub fn turn(a: Point2, b: Point2, c: Point2) -> f64 {
+pub fn doubled_area(a: Point2, b: Point2, c: Point2) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn mesh_general(
     let parts = assembly.inserts.iter().map(|s| ("insert", *s)).chain(assembly.cavities.iter().map(|s| ("cavity", *s)));
     let named: Vec<(&'static str, &Surface)> = std::iter::once(("body", assembly.body)).chain(parts).collect();
     check_size(&named, set)?;
-    let visible = assembly.visible(set.edge);
+    let visible = assembly.visible_parts(set.edge);
     let (aim, mut best, mut refusal) = (wishes.envelope, None::<Candidate>, None);
     for attempt in 0..ATTEMPTS {
         if attempt > 0 {
@@ -52,10 +52,10 @@ pub(crate) fn mesh_general(
                 wishes.envelope * 1e3
             ));
         }
-        match candidate((assembly, visible.as_ref()), set, &wishes, watch) {
+        match mesh_candidate((assembly, visible.as_ref()), set, &wishes, watch) {
             Ok(latest) if latest.miss <= 1.0 => return Ok((latest.mesh, latest.report)),
             Ok(latest) => {
-                wishes = closer(wishes, latest.report.hausdorff_m / aim);
+                wishes = closer_settings(wishes, latest.report.hausdorff_m / aim);
                 let former_miss = best.as_ref().map_or(f64::INFINITY, |b| b.miss);
                 let nearer = latest.miss < WORTH * former_miss;
                 if latest.miss < former_miss {
@@ -69,7 +69,7 @@ pub(crate) fn mesh_general(
             Err(why @ MeshError::General(_)) => return Err(why),
             Err(why) => {
                 refusal.get_or_insert(why);
-                wishes = closer(wishes, 1.0);
+                wishes = closer_settings(wishes, 1.0);
             }
         }
     }
@@ -80,14 +80,14 @@ pub(crate) fn mesh_general(
 }
 
 /// Settings of another attempt, after one whose distance was so many times the one aimed at.
-fn closer(wishes: tetrahedralize::Settings, distance: f64) -> tetrahedralize::Settings {
+fn closer_settings(wishes: tetrahedralize::Settings, distance: f64) -> tetrahedralize::Settings {
     match distance > 1.0 {
         true => tetrahedralize::Settings { envelope: 0.93 * wishes.envelope / distance, ..wishes },
         false => tetrahedralize::Settings { edge: OTHER_LATTICE * wishes.edge, ..wishes },
     }
 }
 
-fn candidate(
+fn mesh_candidate(
     (assembly, visible): (&Assembly, Option<&Surface>),
     set: &Settings,
     wishes: &tetrahedralize::Settings,
@@ -100,7 +100,7 @@ fn candidate(
         Solid::Linear(mesh) => mesh,
         Solid::Quadratic(mesh) => Solid::Quadratic(mesh).to_linear(),
     };
-    let report = Report { repairs, ..report(&mesh, (assembly, visible), set)? };
+    let report = Report { repairs, ..candidate_report(&mesh, (assembly, visible), set)? };
     let aim = tetrahedralize::Settings::new(set.edge).envelope;
     let angles = (LEAST_ANGLE / report.min_dihedral_deg).max(USUAL_ANGLE / dihedral_quantile(&mesh, 1e-3));
     let miss = angles.max(report.hausdorff_m / aim);
@@ -108,7 +108,7 @@ fn candidate(
 }
 
 /// Compares the mesh with its surfaces; the volumes only where these are closed.
-fn report(
+fn candidate_report(
     mesh: &TetMesh,
     (assembly, visible): (&Assembly, Option<&Surface>),
     set: &Settings,
@@ -124,12 +124,15 @@ fn report(
         }
     }
     // a cavity's surface is one of the body's, seen from the other side
-    let cavity_faces: Vec<Surface> = assembly.cavities.iter().map(|cavity| turned(cavity)).collect();
-    let body = joined(std::iter::once(assembly.body).chain(&cavity_faces));
-    let inserts = joined(assembly.inserts.iter().copied());
+    let cavity_faces: Vec<Surface> = assembly.cavities.iter().map(|cavity| turned_surface(cavity)).collect();
+    let body = joined_surface(std::iter::once(assembly.body).chain(&cavity_faces));
+    let inserts = joined_surface(assembly.inserts.iter().copied());
     let limits = Limits { volume: f64::INFINITY, distance: set.distance_limit * set.edge };
-    let report =
-        validate::validate(mesh, &Reference { body: &body, spine: &inserts, cavities: &cavities, visible }, &limits)?;
+    let report = validate::validate_mesh(
+        mesh,
+        &Reference { body: &body, spine: &inserts, cavities: &cavities, visible },
+        &limits,
+    )?;
     for (region, expected) in assembly.expected_volumes().into_iter().enumerate() {
         check_volume(mesh, (region as u16, expected), set.volume_limit)?;
     }
@@ -137,20 +140,20 @@ fn report(
 }
 
 /// A surface whose normals look the other way.
-fn turned(surface: &Surface) -> Surface {
+fn turned_surface(surface: &Surface) -> Surface {
     let faces = surface.faces.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
     Surface { points: surface.points.clone(), faces }
 }
 
 /// Surfaces as one.
-fn joined<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> Surface {
-    let mut all = Surface::default();
+fn joined_surface<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> Surface {
+    let mut joined = Surface::default();
     for surface in surfaces {
-        let first = all.points.len() as u32;
-        all.points.extend(&surface.points);
-        all.faces.extend(surface.faces.iter().map(|f| f.map(|n| n + first)));
+        let first = joined.points.len() as u32;
+        joined.points.extend(&surface.points);
+        joined.faces.extend(surface.faces.iter().map(|f| f.map(|n| n + first)));
     }
-    all
+    joined
 }
 
 fn check_volume(mesh: &TetMesh, (region, expected): (u16, Option<f64>), limit: f64) -> Result<(), MeshError> {

@@ -13,14 +13,16 @@ impl QuadraticMesh {
         let mut parts = Parts { nodes: self.nodes.clone(), middles: BTreeMap::new() };
         let (mut tets, mut regions) = (Vec::new(), Vec::new());
         for (nodes, region) in hexahedra.iter().zip(&self.regions) {
-            let cut: Vec<[u32; 4]> = parts.of(nodes).iter().flat_map(|prism| tetrahedra(prism)).collect();
+            let cut: Vec<[u32; 4]> = parts.parts_of(nodes).iter().flat_map(|prism| prism_tetrahedra(prism)).collect();
             regions.extend(vec![*region; cut.len()]);
             tets.extend(cut);
         }
         let mut skin = Vec::new();
         for face in &self.skin {
             let polygons = parts.of_face(&face.as_side());
-            skin.extend(polygons.iter().flat_map(|polygon| fan(polygon)).map(|nodes| SkinFace { nodes, on: face.on }));
+            skin.extend(
+                polygons.iter().flat_map(|polygon| fan_triangles(polygon)).map(|nodes| SkinFace { nodes, on: face.on }),
+            );
         }
         Some(TetMesh { nodes: parts.nodes, tets, regions, skin, half: self.half })
     }
@@ -35,57 +37,61 @@ struct Parts {
 
 impl Parts {
     /// The middle of an 8-node side: −¼ of each corner, ½ of each middle.
-    fn middle(&mut self, side: &[u32; 8]) -> u32 {
+    fn side_middle(&mut self, side: &[u32; 8]) -> u32 {
         let mut key = [side[0], side[1], side[2], side[3]];
         key.sort_unstable();
         let nodes = &mut self.nodes;
         *self.middles.entry(key).or_insert_with(|| {
-            let at = |n: usize, k: usize| if n < 4 { -0.25 } else { 0.5 } * nodes[side[n] as usize][k];
-            nodes.push([0, 1, 2].map(|k| (0..8).map(|n| at(n, k)).sum()));
+            let weighted = |n: usize, k: usize| if n < 4 { -0.25 } else { 0.5 } * nodes[side[n] as usize][k];
+            nodes.push([0, 1, 2].map(|k| (0..8).map(|n| weighted(n, k)).sum()));
             nodes.len() as u32 - 1
         })
     }
 
     /// The quarters of a face.
     fn of_face(&mut self, face: &[u32; 8]) -> Vec<Vec<u32>> {
-        let middle = if face[2] == face[3] { face[2] } else { self.middle(face) };
-        quarters(face, middle)
+        let middle = if face[2] == face[3] { face[2] } else { self.side_middle(face) };
+        side_quarters(face, middle)
     }
 
     /// The eight parts of an element: lower corners, counterclockwise, then the upper ones.
-    fn of(&mut self, nodes: &[u32; 20]) -> Vec<Vec<u32>> {
+    fn parts_of(&mut self, nodes: &[u32; 20]) -> Vec<Vec<u32>> {
         let sides = HEX_SIDES.map(|side| side.map(|n| nodes[n]));
         let layer = |corners: usize, middles: usize| -> [u32; 8] {
             std::array::from_fn(|n| if n < 4 { nodes[corners + n] } else { nodes[middles + n - 4] })
         };
         let [low, high] = [layer(0, 8), layer(4, 12)];
         let wedge = low[2] == low[3];
-        let mut between = [0; 8];
-        between[..4].copy_from_slice(&nodes[16..]);
+        let mut middle_layer = [0; 8];
+        middle_layer[..4].copy_from_slice(&nodes[16..]);
         for (n, side) in [2, 3, 4, 5].into_iter().enumerate() {
-            between[4 + n] = if wedge && n == 2 { between[2] } else { self.middle(&sides[side]) };
+            middle_layer[4 + n] = if wedge && n == 2 { middle_layer[2] } else { self.side_middle(&sides[side]) };
         }
-        let layers = [low, between, high];
-        let centres = if wedge { [0; 3] } else { [self.middle(&sides[0]), self.centre(nodes), self.middle(&sides[1])] };
-        let cut = |n: usize| quarters(&layers[n], centres[n]);
-        let [low, between, high] = [cut(0), cut(1), cut(2)];
+        let layers = [low, middle_layer, high];
+        let centres = if wedge {
+            [0; 3]
+        } else {
+            [self.side_middle(&sides[0]), self.element_centre(nodes), self.side_middle(&sides[1])]
+        };
+        let cut = |n: usize| side_quarters(&layers[n], centres[n]);
+        let [low, middle_layer, high] = [cut(0), cut(1), cut(2)];
         let stacked = |lower: Vec<Vec<u32>>, upper: Vec<Vec<u32>>| {
             lower.into_iter().zip(upper).map(|(lower, upper)| [lower, upper].concat())
         };
-        stacked(low, between.clone()).chain(stacked(between, high)).collect()
+        stacked(low, middle_layer.clone()).chain(stacked(middle_layer, high)).collect()
     }
 
     /// The middle of an element: −¼ of each corner, ¼ of each middle.
-    fn centre(&mut self, nodes: &[u32; 20]) -> u32 {
-        let at = |n: usize, k: usize| if n < 8 { -0.25 } else { 0.25 } * self.nodes[nodes[n] as usize][k];
-        let centre = [0, 1, 2].map(|k| (0..20).map(|n| at(n, k)).sum());
+    fn element_centre(&mut self, nodes: &[u32; 20]) -> u32 {
+        let weighted = |n: usize, k: usize| if n < 8 { -0.25 } else { 0.25 } * self.nodes[nodes[n] as usize][k];
+        let centre = [0, 1, 2].map(|k| (0..20).map(|n| weighted(n, k)).sum());
         self.nodes.push(centre);
         self.nodes.len() as u32 - 1
     }
 }
 
 /// The quarters of a quadrilateral with a centre, or of a triangle, in the sense of its corners.
-fn quarters(&[a, b, c, d, ab, bc, cd, da]: &[u32; 8], centre: u32) -> Vec<Vec<u32>> {
+fn side_quarters(&[a, b, c, d, ab, bc, cd, da]: &[u32; 8], centre: u32) -> Vec<Vec<u32>> {
     if c == d {
         return [[a, ab, da], [b, bc, ab], [c, da, bc], [ab, bc, da]].map(|part| part.to_vec()).to_vec();
     }
@@ -95,23 +101,23 @@ fn quarters(&[a, b, c, d, ab, bc, cd, da]: &[u32; 8], centre: u32) -> Vec<Vec<u3
 }
 
 /// Triangles of a polygon around its corner of the lowest number.
-fn fan(polygon: &[u32]) -> Vec<[u32; 3]> {
+fn fan_triangles(polygon: &[u32]) -> Vec<[u32; 3]> {
     let first = (0..polygon.len()).min_by_key(|&n| polygon[n]).unwrap_or(0);
-    let at = |n: usize| polygon[(first + n) % polygon.len()];
-    (1..polygon.len() - 1).map(|n| [at(0), at(n), at(n + 1)]).collect()
+    let corner = |n: usize| polygon[(first + n) % polygon.len()];
+    (1..polygon.len() - 1).map(|n| [corner(0), corner(n), corner(n + 1)]).collect()
 }
 
 /// Tetrahedra of a prism over a triangle or a quadrilateral, between its corner of the lowest number and the triangles of the sides that do
 /// not hold it; sides are cut from their corner of the lowest number, so that neighbours match [dompierre1999].
-fn tetrahedra(prism: &[u32]) -> Vec<[u32; 4]> {
+fn prism_tetrahedra(prism: &[u32]) -> Vec<[u32; 4]> {
     let n = prism.len() / 2;
     let lower: Vec<u32> = prism[..n].iter().rev().copied().collect();
-    let around = (0..n).map(|k| vec![prism[k], prism[(k + 1) % n], prism[n + (k + 1) % n], prism[n + k]]);
-    let sides: Vec<Vec<u32>> = [lower, prism[n..].to_vec()].into_iter().chain(around).collect();
+    let lateral_sides = (0..n).map(|k| vec![prism[k], prism[(k + 1) % n], prism[n + (k + 1) % n], prism[n + k]]);
+    let sides: Vec<Vec<u32>> = [lower, prism[n..].to_vec()].into_iter().chain(lateral_sides).collect();
     let Some(&apex) = prism.iter().min() else { return Vec::new() };
     let opposite = sides.iter().filter(|side| !side.contains(&apex));
     // seen from the apex a side turns the other way
-    opposite.flat_map(|side| fan(side)).map(|[a, b, c]| [a, c, b, apex]).collect()
+    opposite.flat_map(|side| fan_triangles(side)).map(|[a, b, c]| [a, c, b, apex]).collect()
 }
 
 #[cfg(test)]

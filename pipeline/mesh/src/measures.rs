@@ -1,7 +1,7 @@
 //! Measures of a mesh against the surfaces that it was made from: angles, Jacobians, volumes, distances, shells and interfaces.
 
 use crate::quality::{dihedral_angles, dihedral_quantile, dihedral_range, scaled_jacobian};
-use crate::validate::{area, hausdorff, interfaces};
+use crate::validate::{face_area, faces_between_regions, hausdorff_distances};
 use crate::{Assembly, Skin, TetMesh};
 use si::{CubicMetre, Metre, SquareMetre};
 use std::collections::BTreeMap;
@@ -61,68 +61,69 @@ pub struct Measures {
 impl Measures {
     /// Measures a mesh of an assembly with edges of a length, m.
     pub fn new(mesh: &TetMesh, assembly: &Assembly, edge: Metre) -> Self {
-        let between = interfaces(mesh);
-        let faces: Vec<[u32; 3]> = between.iter().map(|(face, _)| *face).collect();
-        let [there, back] = hausdorff(mesh, &faces, &assembly.surfaces(), assembly.visible(edge).as_ref());
+        let interface_sides = faces_between_regions(mesh);
+        let faces: Vec<[u32; 3]> = interface_sides.iter().map(|(face, _)| *face).collect();
+        let [there, back] =
+            hausdorff_distances(mesh, &faces, &assembly.surfaces(), assembly.visible_parts(edge).as_ref());
         let angles = (0..mesh.tets.len()).map(|tet| dihedral_angles(&mesh.corners(tet)).0 / LARGEST_LEAST_ANGLE);
         let jacobians: Vec<f64> = (0..mesh.tets.len()).map(|tet| scaled_jacobian(&mesh.corners(tet))).collect();
         Self {
             dihedral_range_deg: dihedral_range(mesh).into(),
             dihedral_quantile_deg: dihedral_quantile(mesh, 1e-3),
-            dihedral_histogram: histogram(angles),
+            dihedral_histogram: share_histogram(angles),
             least_jacobian: jacobians.iter().copied().fold(f64::INFINITY, f64::min),
-            jacobian_histogram: histogram(jacobians.into_iter()),
+            jacobian_histogram: share_histogram(jacobians.into_iter()),
             surfaces_to_mesh: there.0,
             mesh_to_surfaces: back.0,
-            shells: shells(mesh),
-            regions: regions(mesh, assembly),
-            interfaces: joined_interfaces(mesh, &between),
+            shells: count_shells(mesh),
+            regions: region_measures(mesh, assembly),
+            interfaces: joined_interfaces(mesh, &interface_sides),
         }
     }
 }
 
-fn histogram(shares: impl Iterator<Item = f64>) -> [usize; CLASSES] {
+fn share_histogram(shares: impl Iterator<Item = f64>) -> [usize; CLASSES] {
     let mut counts = [0; CLASSES];
     shares.for_each(|share| counts[((share * CLASSES as f64).max(0.0) as usize).min(CLASSES - 1)] += 1);
     counts
 }
 
-fn regions(mesh: &TetMesh, assembly: &Assembly) -> Vec<RegionMeasures> {
-    let one = |(region, expected): (u16, Option<f64>)| RegionMeasures {
+fn region_measures(mesh: &TetMesh, assembly: &Assembly) -> Vec<RegionMeasures> {
+    let measures_of_region = |(region, expected): (u16, Option<f64>)| RegionMeasures {
         elements: mesh.regions.iter().filter(|r| **r == region).count(),
         volume: mesh.region_volume(region),
         expected,
     };
-    (0..).zip(assembly.expected_volumes()).map(one).collect()
+    (0..).zip(assembly.expected_volumes()).map(measures_of_region).collect()
 }
 
 fn joined_interfaces(mesh: &TetMesh, between: &[([u32; 3], [u16; 2])]) -> Vec<Interface> {
     let mut sums: BTreeMap<[u16; 2], (usize, f64)> = BTreeMap::new();
     for (face, pair) in between {
         let sum = sums.entry(*pair).or_default();
-        *sum = (sum.0 + 1, sum.1 + area(mesh, face));
+        *sum = (sum.0 + 1, sum.1 + face_area(mesh, face));
     }
     sums.into_iter().map(|(regions, (faces, area))| Interface { regions, faces, area }).collect()
 }
 
 /// Connected parts of the outer skin.
-fn shells(mesh: &TetMesh) -> usize {
+fn count_shells(mesh: &TetMesh) -> usize {
     let mut root: Vec<u32> = (0..mesh.nodes.len() as u32).collect();
     let outer = || mesh.skin.iter().filter(|face| face.on == Skin::Outer).map(|face| face.nodes);
     for [a, b, c] in outer() {
-        let lowest = [a, b, c].map(|n| find(&mut root, n)).into_iter().min().unwrap_or(a);
+        let lowest = [a, b, c].map(|n| find_root(&mut root, n)).into_iter().min().unwrap_or(a);
         for node in [a, b, c] {
-            let top = find(&mut root, node);
+            let top = find_root(&mut root, node);
             root[top as usize] = lowest;
         }
     }
-    let mut tops: Vec<u32> = outer().flatten().map(|n| find(&mut root, n)).collect();
+    let mut tops: Vec<u32> = outer().flatten().map(|n| find_root(&mut root, n)).collect();
     tops.sort_unstable();
     tops.dedup();
     tops.len()
 }
 
-fn find(root: &mut [u32], mut member: u32) -> u32 {
+fn find_root(root: &mut [u32], mut member: u32) -> u32 {
     while root[member as usize] != member {
         root[member as usize] = root[root[member as usize] as usize];
         member = root[member as usize];

@@ -136,7 +136,7 @@ struct Middles {
 }
 
 impl Middles {
-    fn of(&mut self, a: u32, b: u32) -> u32 {
+    fn middle_of(&mut self, a: u32, b: u32) -> u32 {
         let next = self.nodes.len() as u32;
         let middle = *self.known.entry([a.min(b), a.max(b)]).or_insert(next);
         if middle == next {
@@ -151,13 +151,13 @@ impl Middles {
 pub fn quadratic(mesh: &TetMesh) -> QuadraticMesh {
     let mut middles = Middles { nodes: mesh.nodes.clone(), known: HashMap::new() };
     let tets = mesh.tets.iter().map(|t| {
-        let m = EDGES.map(|[a, b]| middles.of(t[a], t[b]));
+        let m = EDGES.map(|[a, b]| middles.middle_of(t[a], t[b]));
         [t[0], t[1], t[2], t[3], m[0], m[1], m[2], m[3], m[4], m[5]]
     });
     let tets = tets.collect();
     let skin = mesh.skin.iter().map(|face| {
         let [a, b, c] = face.nodes;
-        let nodes = [a, b, c, middles.of(a, b), middles.of(b, c), middles.of(c, a)];
+        let nodes = [a, b, c, middles.middle_of(a, b), middles.middle_of(b, c), middles.middle_of(c, a)];
         QuadraticFace::triangle(nodes, face.on)
     });
     let skin = skin.collect();

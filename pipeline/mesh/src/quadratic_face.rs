@@ -123,7 +123,7 @@ mod tests {
                 let values = shape_functions(places.len(), *at);
                 assert!(values.iter().enumerate().all(|(n, v)| (v - f64::from(u8::from(n == node))).abs() < 1e-15));
             }
-            let area = |[a, b, c]: [Point2; 3]| crate::frame::turn(a, b, c) / 2.0;
+            let area = |[a, b, c]: [Point2; 3]| crate::frame::doubled_area(a, b, c) / 2.0;
             let sum: f64 = face.parts().into_iter().map(|part| area(part.1)).sum();
             assert!((sum - whole).abs() < 1e-15 && face.parts().into_iter().all(|part| area(part.1) > 0.0));
         }

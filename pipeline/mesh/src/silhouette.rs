@@ -21,8 +21,10 @@ const SEEN: f64 = 0.5;
 impl Silhouette {
     /// Across `normals`, which point to the left; `edge` is the distance of the outline along one, m.
     pub fn across(normals: &[Normal], edge: impl Fn(Normal) -> Option<Metre>) -> Self {
-        let right = |[at, [x, y]]: Normal| [at, [-x, -y]];
-        let side = |turned: fn(Normal) -> Normal| median(&normals.iter().map(|n| edge(turned(*n))).collect::<Vec<_>>());
+        let right = |[origin, [x, y]]: Normal| [origin, [-x, -y]];
+        let side = |turned: fn(Normal) -> Normal| {
+            running_median(&normals.iter().map(|n| edge(turned(*n))).collect::<Vec<_>>())
+        };
         Self([side(|n| n), side(right)])
     }
 
@@ -30,7 +32,8 @@ impl Silhouette {
     /// pressure. None where either silhouette was not seen.
     pub fn walls(&self, rest: &Self, stations: &[Metre], filled: bool) -> Option<Walls> {
         let (full, empty) = if filled { (0, 1) } else { (1, 0) };
-        let (bulge, dent) = (self.change(rest, stations, full)?, self.change(rest, stations, empty)?);
+        let (bulge, dent) =
+            (self.half_width_change(rest, stations, full)?, self.half_width_change(rest, stations, empty)?);
         let bulge_m = bulge.into_iter().map(|(by, _)| by).fold(0.0, f64::max);
         let deeper = |best: (Metre, Point2), next: (Metre, Point2)| if next.0 < best.0 { next } else { best };
         let (by, [x, width]) = dent.into_iter().fold((0.0, [0.0; 2]), deeper);
@@ -39,22 +42,22 @@ impl Silhouette {
     }
 
     /// Change of the half widths of one side, m, with the station and the half width at rest.
-    fn change(&self, rest: &Self, stations: &[Metre], side: usize) -> Option<Vec<(Metre, Point2)>> {
+    fn half_width_change(&self, rest: &Self, stations: &[Metre], side: usize) -> Option<Vec<(Metre, Point2)>> {
         let both = self.0[side].iter().zip(&rest.0[side]).zip(stations);
-        let found: Vec<_> = both.filter_map(|((now, rest), x)| Some(((*now)? - (*rest)?, [*x, (*rest)?]))).collect();
-        (found.len() as f64 >= SEEN * stations.len() as f64).then_some(found)
+        let changes: Vec<_> = both.filter_map(|((now, rest), x)| Some(((*now)? - (*rest)?, [*x, (*rest)?]))).collect();
+        (changes.len() as f64 >= SEEN * stations.len() as f64).then_some(changes)
     }
 }
 
 /// The running median of what was found.
-fn median(widths: &[Option<Metre>]) -> Vec<Option<Metre>> {
-    let around = |i: usize| {
-        let near = &widths[i.saturating_sub(NEAR)..(i + NEAR + 1).min(widths.len())];
-        let mut found: Vec<Metre> = near.iter().flatten().copied().collect();
-        found.sort_by(f64::total_cmp);
-        found.get(found.len() / 2).copied()
+fn running_median(widths: &[Option<Metre>]) -> Vec<Option<Metre>> {
+    let median_around = |i: usize| {
+        let window = &widths[i.saturating_sub(NEAR)..(i + NEAR + 1).min(widths.len())];
+        let mut known_widths: Vec<Metre> = window.iter().flatten().copied().collect();
+        known_widths.sort_by(f64::total_cmp);
+        known_widths.get(known_widths.len() / 2).copied()
     };
-    (0..widths.len()).map(around).collect()
+    (0..widths.len()).map(median_around).collect()
 }
 
 /// A surface projected from an eye onto the plane at mid height: the edges of its faces, m.
@@ -73,9 +76,9 @@ impl Projected {
     }
 
     /// The farthest point along a normal that it covers, at most `reach` from the centre line, m.
-    pub fn edge(&self, [at, [x, y]]: Normal, reach: Metre) -> Option<Metre> {
-        let ahead = |[u, v]: Point2| (u - at[0]) * x + (v - at[1]) * y;
-        let aside = |[u, v]: Point2| (v - at[1]) * x - (u - at[0]) * y;
+    pub fn edge(&self, [origin, [x, y]]: Normal, reach: Metre) -> Option<Metre> {
+        let ahead = |[u, v]: Point2| (u - origin[0]) * x + (v - origin[1]) * y;
+        let aside = |[u, v]: Point2| (v - origin[1]) * x - (u - origin[0]) * y;
         let crossing = |&[a, b]: &[Point2; 2]| {
             let (left, right) = (aside(a), aside(b));
             let part = left / (left - right);

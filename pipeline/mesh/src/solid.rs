@@ -109,11 +109,12 @@ fn corners_only(mesh: &QuadraticMesh, tets: &[[u32; 10]]) -> TetMesh {
         *number = nodes.len() as u32;
         nodes.push(mesh.nodes[node]);
     }
-    let kept = |node: u32| number[node as usize];
-    let face = |face: &QuadraticFace| SkinFace { nodes: [0, 1, 2].map(|k| kept(face.nodes()[k])), on: face.on };
+    let corner_number = |node: u32| number[node as usize];
+    let face =
+        |face: &QuadraticFace| SkinFace { nodes: [0, 1, 2].map(|k| corner_number(face.nodes()[k])), on: face.on };
     TetMesh {
         nodes,
-        tets: tets.iter().map(|tet| [0, 1, 2, 3].map(|k| kept(tet[k]))).collect(),
+        tets: tets.iter().map(|tet| [0, 1, 2, 3].map(|k| corner_number(tet[k]))).collect(),
         regions: mesh.regions.clone(),
         skin: mesh.skin.iter().map(face).collect(),
         half: mesh.half,

@@ -11,19 +11,19 @@ use si::Point3;
 /// The solid angle of a chamber's walls is 4π from inside and 0 from outside. A half model is mirrored at z = 0.
 pub fn chamber_at(solid: &QuadraticMesh, at: Point3) -> Option<u16> {
     let faces = solid.skin.iter().map(|face| (face.nodes(), face.on));
-    holding(&solid.nodes, faces, solid.half, at)
+    holding_chamber(&solid.nodes, faces, solid.half, at)
 }
 
 /// The same for a mesh of either order.
 pub fn chamber_containing(solid: &Solid, at: Point3) -> Option<u16> {
-    holding(solid.nodes(), solid.faces().into_iter(), solid.half(), at)
+    holding_chamber(solid.nodes(), solid.faces().into_iter(), solid.half(), at)
 }
 
-fn holding<'a>(
+fn holding_chamber<'a>(
     nodes: &[Point3],
     faces: impl Iterator<Item = (&'a [u32], Skin)>,
     half: bool,
-    at: Point3,
+    point: Point3,
 ) -> Option<u16> {
     let mut angles = BTreeMap::new();
     for (face, on) in faces {
@@ -32,8 +32,8 @@ fn holding<'a>(
         for corners in halves.iter().map(|part| part.map(|i| nodes[face[i] as usize])) {
             let [a, b, c] = corners;
             let mirrored = [a, c, b].map(|[x, y, z]| [x, y, -z]);
-            let seen = solid_angle(corners, at) + if half { solid_angle(mirrored, at) } else { 0.0 };
-            *angles.entry(chamber).or_insert(0.0) += seen;
+            let subtended = solid_angle(corners, point) + if half { solid_angle(mirrored, point) } else { 0.0 };
+            *angles.entry(chamber).or_insert(0.0) += subtended;
         }
     }
     angles

@@ -62,7 +62,7 @@ pub enum SurfaceError {
     },
     /// An edge that does not join exactly two faces of opposite direction.
     #[error(
-        "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  {}", place(.from), place(.to), repair(*.faces)
+        "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  {}", place_text(.from), place_text(.to), repair_advice(*.faces)
     )]
     Open {
         /// Number of the first face with such an edge, in the file's order, from 0.
@@ -78,7 +78,7 @@ pub enum SurfaceError {
     },
     /// A closed part within another, both with normals outwards.
     #[error(
-        "the closed part at {} lies within another, and the normals of both point outwards\n  why: the normals of a cavity point into it; two solids in one place are none\n  do:  turn the normals of the cavity, or take the inner part out, and export again", place(.at)
+        "the closed part at {} lies within another, and the normals of both point outwards\n  why: the normals of a cavity point into it; two solids in one place are none\n  do:  turn the normals of the cavity, or take the inner part out, and export again", place_text(.at)
     )]
     Nested {
         /// A corner of it, m.
@@ -95,7 +95,7 @@ pub enum SurfaceError {
 }
 
 /// What to do about an edge that joins so many faces.
-fn repair(faces: usize) -> &'static str {
+fn repair_advice(faces: usize) -> &'static str {
     match faces {
         1 => "close the hole in the CAD program and export again",
         2 => "turn the normals of all faces outwards in the CAD program and export again",
@@ -104,8 +104,8 @@ fn repair(faces: usize) -> &'static str {
 }
 
 /// A place in millimetres, for messages.
-pub(crate) fn place(at: &Point3) -> String {
-    format!("({:.2}, {:.2}, {:.2}) mm", at[0] * 1e3, at[1] * 1e3, at[2] * 1e3)
+pub(crate) fn place_text(point: &Point3) -> String {
+    format!("({:.2}, {:.2}, {:.2}) mm", point[0] * 1e3, point[1] * 1e3, point[2] * 1e3)
 }
 
 impl Surface {
@@ -144,7 +144,7 @@ impl Surface {
 
     /// Signed volume of the enclosed space, m³ (cavities count negative).
     pub fn volume(&self) -> CubicMetre {
-        (0..self.faces.len()).map(|f| self.cone(f)).sum()
+        (0..self.faces.len()).map(|f| self.cone_volume(f)).sum()
     }
 
     /// Lowest and highest corner of the bounding box, m.
@@ -166,18 +166,18 @@ impl Surface {
         (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
     }
 
-    fn cone(&self, face: usize) -> f64 {
+    fn cone_volume(&self, face: usize) -> f64 {
         let [a, b, c] = self.corners(face);
         dot(a, cross(b, c)) / 6.0
     }
 
     /// Every edge with its face: (low corner, high corner, face, runs upwards), sorted.
-    fn edges(&self) -> Vec<(u32, u32, u32, bool)> {
-        let of = |f: usize| {
+    fn directed_edges(&self) -> Vec<(u32, u32, u32, bool)> {
+        let edges_of_face = |f: usize| {
             let [a, b, c] = self.faces[f];
             [(a, b), (b, c), (c, a)].map(|(s, e)| (s.min(e), s.max(e), f as u32, s < e))
         };
-        let mut edges: Vec<_> = (0..self.faces.len()).flat_map(of).collect();
+        let mut edges: Vec<_> = (0..self.faces.len()).flat_map(edges_of_face).collect();
         edges.sort_unstable();
         edges
     }
@@ -187,13 +187,13 @@ impl Surface {
     /// # Errors
     /// [`SurfaceError::Open`] with the first open edge and the number of them.
     pub(crate) fn shared_edges(&self) -> Result<Vec<SharedEdge>, SurfaceError> {
-        let edges = self.edges();
+        let edges = self.directed_edges();
         let groups: Vec<_> = edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).collect();
         let open = |g: &&&[(u32, u32, u32, bool)]| g.len() != 2 || g[0].3 == g[1].3;
         let bad: Vec<_> = groups.iter().filter(open).collect();
         if let Some(first) = bad.iter().min_by_key(|g| g[0].2) {
-            let at = |p: u32| self.points[p as usize];
-            let (from, to) = (at(first[0].0), at(first[0].1));
+            let point_of = |p: u32| self.points[p as usize];
+            let (from, to) = (point_of(first[0].0), point_of(first[0].1));
             return Err(SurfaceError::Open {
                 face: first[0].2 as usize,
                 from,
@@ -215,8 +215,8 @@ impl Surface {
         }
         self.check()?;
         let shared_edges = self.shared_edges()?;
-        let (of_face, count) = components(self.faces.len(), shared_edges.iter().map(|j| j.faces));
-        let shells: Vec<_> = (0..count).map(|s| self.shell(&of_face, s)).collect();
+        let (of_face, count) = connected_components(self.faces.len(), shared_edges.iter().map(|j| j.faces));
+        let shells: Vec<_> = (0..count).map(|s| self.shell_of(&of_face, s)).collect();
         if shells.iter().all(|s| s.volume <= 0.0) {
             return Err(SurfaceError::InvertedSurface { volume_mm3: self.volume() * 1e9 });
         }
@@ -241,10 +241,10 @@ impl Surface {
         Ok(())
     }
 
-    fn shell(&self, of_face: &[u32], shell: u32) -> Shell {
+    fn shell_of(&self, of_face: &[u32], shell: u32) -> Shell {
         let (mut volume, mut moment) = (0.0, [0.0; 3]);
         for face in (0..self.faces.len()).filter(|&f| of_face[f] == shell) {
-            let (cone, [a, b, c]) = (self.cone(face), self.corners(face));
+            let (cone, [a, b, c]) = (self.cone_volume(face), self.corners(face));
             volume += cone;
             (0..3).for_each(|k| moment[k] += cone * (a[k] + b[k] + c[k]) / 4.0);
         }
@@ -261,15 +261,15 @@ pub(crate) fn solid_angle(corners: [Point3; 3], at: Point3) -> f64 {
 }
 
 /// Components of a graph of `count` members, numbered by their lowest member.
-pub(crate) fn components(count: usize, links: impl Iterator<Item = [u32; 2]>) -> (Vec<u32>, u32) {
+pub(crate) fn connected_components(count: usize, links: impl Iterator<Item = [u32; 2]>) -> (Vec<u32>, u32) {
     let mut root: Vec<u32> = (0..count as u32).collect();
     for [a, b] in links {
-        let (a, b) = (find(&mut root, a), find(&mut root, b));
+        let (a, b) = (find_root(&mut root, a), find_root(&mut root, b));
         root[a.max(b) as usize] = a.min(b);
     }
     let (mut number, mut next) = (vec![0; count], 0);
     for member in 0..count as u32 {
-        let top = find(&mut root, member);
+        let top = find_root(&mut root, member);
         if top == member {
             number[member as usize] = next;
             next += 1;
@@ -280,7 +280,7 @@ pub(crate) fn components(count: usize, links: impl Iterator<Item = [u32; 2]>) ->
     (number, next)
 }
 
-fn find(root: &mut [u32], mut member: u32) -> u32 {
+fn find_root(root: &mut [u32], mut member: u32) -> u32 {
     while root[member as usize] != member {
         root[member as usize] = root[root[member as usize] as usize];
         member = root[member as usize];

@@ -106,8 +106,8 @@ impl TetMesh {
     ///
     /// V = −⅓ ∮ x · n dA over the cavity's faces; faces on z = 0 that close a half cavity would add nothing.
     pub fn chamber_volume(&self, chamber: u16) -> CubicMetre {
-        let of = |face: &&SkinFace| face.on == Skin::Chamber(chamber);
-        -self.skin.iter().filter(of).map(|face| self.cone(face)).sum::<f64>()
+        let is_of_chamber = |face: &&SkinFace| face.on == Skin::Chamber(chamber);
+        -self.skin.iter().filter(is_of_chamber).map(|face| self.cone_volume(face)).sum::<f64>()
     }
 }
 

@@ -79,7 +79,7 @@ pub enum ValidationError {
         limit_percent: f64,
     },
     /// A boundary too far from the surfaces.
-    #[error("the mesh's boundary is {:.3} mm from the surfaces near {}\n  why: the limit is {:.3} mm (Settings::distance_limit times edge)\n  do:  take the method general, which follows round and slanted sides; a shorter edge has a shorter limit, too", .distance * 1e3, crate::surface::place(.at), .limit * 1e3)]
+    #[error("the mesh's boundary is {:.3} mm from the surfaces near {}\n  why: the limit is {:.3} mm (Settings::distance_limit times edge)\n  do:  take the method general, which follows round and slanted sides; a shorter edge has a shorter limit, too", .distance * 1e3, crate::surface::place_text(.at), .limit * 1e3)]
     Distance {
         /// How far, m.
         distance: Metre,
@@ -117,16 +117,17 @@ pub(crate) struct Limits {
 ///
 /// # Errors
 /// [`ValidationError`] when a limit is passed.
-pub(crate) fn validate(mesh: &TetMesh, reference: &Reference, limits: &Limits) -> Result<Report, ValidationError> {
+pub(crate) fn validate_mesh(mesh: &TetMesh, reference: &Reference, limits: &Limits) -> Result<Report, ValidationError> {
     let Reference { body, spine, cavities, .. } = *reference;
     if let Some(tet) = (0..mesh.tets.len()).find(|&t| mesh.volume(t) <= 0.0) {
         return Err(ValidationError::InvertedElement { tet, volume_mm3: mesh.volume(tet) * 1e9 });
     }
-    let whole = if mesh.half { 2.0 } else { 1.0 };
-    let interface = interface(mesh);
+    let symmetry_factor = if mesh.half { 2.0 } else { 1.0 };
+    let interface = interface_faces(mesh);
     let (min_dihedral_deg, max_dihedral_deg) = dihedral_range(mesh);
-    let ways = hausdorff(mesh, &interface, &[body, spine], reference.visible);
-    let (hausdorff_m, at) = if ways[0].0 > ways[1].0 { ways[0] } else { ways[1] };
+    let directed_distances = hausdorff_distances(mesh, &interface, &[body, spine], reference.visible);
+    let (hausdorff_m, at) =
+        if directed_distances[0].0 > directed_distances[1].0 { directed_distances[0] } else { directed_distances[1] };
     let report = Report {
         nodes: mesh.nodes.len(),
         tets: mesh.tets.len(),
@@ -134,12 +135,12 @@ pub(crate) fn validate(mesh: &TetMesh, reference: &Reference, limits: &Limits) -
         min_dihedral_deg,
         max_dihedral_deg,
         hausdorff_m,
-        volume_body: whole * mesh.region_volume(BODY),
-        volume_spine: whole * mesh.region_volume(SPINE),
+        volume_body: symmetry_factor * mesh.region_volume(BODY),
+        volume_spine: symmetry_factor * mesh.region_volume(SPINE),
         volume_body_stl: body.volume(),
         volume_spine_stl: spine.volume(),
-        interface_area: whole * interface.iter().map(|f| area(mesh, f)).sum::<f64>(),
-        chambers: (0..cavities.len()).map(|k| chamber(mesh, k as u16)).collect(),
+        interface_area: symmetry_factor * interface.iter().map(|f| face_area(mesh, f)).sum::<f64>(),
+        chambers: (0..cavities.len()).map(|k| measure_chamber(mesh, k as u16)).collect(),
         half: mesh.half,
         repairs: Vec::new(),
     };
@@ -161,14 +162,14 @@ fn check_volumes(report: &Report, cavities: &[f64], limit: f64) -> Result<(), Va
     let hollows = report.chambers.iter().zip(cavities).enumerate();
     let hollows = hollows.map(|(k, (c, &v))| (format!("chamber {k}"), c.volume, v));
     for (part, mesh, surface) in solids.into_iter().chain(hollows) {
-        let off = (mesh / surface - 1.0).abs();
-        if off > limit {
+        let relative_error = (mesh / surface - 1.0).abs();
+        if relative_error > limit {
             let (mesh_mm3, surface_mm3) = (mesh * 1e9, surface * 1e9);
             return Err(ValidationError::Volume {
                 part,
                 mesh_mm3,
                 surface_mm3,
-                percent: 100.0 * off,
+                percent: 100.0 * relative_error,
                 limit_percent: 100.0 * limit,
             });
         }
@@ -176,18 +177,18 @@ fn check_volumes(report: &Report, cavities: &[f64], limit: f64) -> Result<(), Va
     Ok(())
 }
 
-pub(crate) fn area(mesh: &TetMesh, face: &[u32; 3]) -> SquareMetre {
+pub(crate) fn face_area(mesh: &TetMesh, face: &[u32; 3]) -> SquareMetre {
     let [a, b, c] = face.map(|n| mesh.nodes[n as usize]);
     norm(cross(sub(b, a), sub(c, a))) / 2.0
 }
 
 /// Volume and centroid of a cavity from the tetrahedra that its faces span with the origin; the missing faces of a half
 /// cavity lie in z = 0 and contribute nothing.
-fn chamber(mesh: &TetMesh, chamber: u16) -> Chamber {
+fn measure_chamber(mesh: &TetMesh, chamber: u16) -> Chamber {
     let (mut volume, mut moment, mut cut) = (0.0, [0.0; 3], false);
     for face in mesh.skin.iter().filter(|f| f.on == Skin::Chamber(chamber)) {
         let [a, b, c] = face.nodes.map(|n| mesh.nodes[n as usize]);
-        cut |= mesh.half && [a, b, c].iter().any(|at| at[2] == 0.0);
+        cut |= mesh.half && [a, b, c].iter().any(|corner| corner[2] == 0.0);
         let cone = -dot(a, cross(b, c)) / 6.0;
         volume += cone;
         (0..3).for_each(|k| moment[k] += cone * (a[k] + b[k] + c[k]) / 4.0);
@@ -201,12 +202,12 @@ fn chamber(mesh: &TetMesh, chamber: u16) -> Chamber {
 }
 
 /// Faces between body and spine.
-fn interface(mesh: &TetMesh) -> Vec<[u32; 3]> {
-    interfaces(mesh).into_iter().map(|(face, _)| face).collect()
+fn interface_faces(mesh: &TetMesh) -> Vec<[u32; 3]> {
+    faces_between_regions(mesh).into_iter().map(|(face, _)| face).collect()
 }
 
 /// Faces between unlike regions, with the regions in rising order.
-pub(crate) fn interfaces(mesh: &TetMesh) -> Vec<([u32; 3], [u16; 2])> {
+pub(crate) fn faces_between_regions(mesh: &TetMesh) -> Vec<([u32; 3], [u16; 2])> {
     let mut sides = Vec::with_capacity(4 * mesh.tets.len());
     for (tet, &region) in mesh.tets.iter().zip(&mesh.regions) {
         for face in FACES {
@@ -216,41 +217,42 @@ pub(crate) fn interfaces(mesh: &TetMesh) -> Vec<([u32; 3], [u16; 2])> {
         }
     }
     sides.sort_unstable();
-    let between = sides.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2 && pair[0].1 != pair[1].1);
-    between.map(|pair| (pair[0].0, [pair[0].1, pair[1].1])).collect()
+    let interface_sides = sides.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2 && pair[0].1 != pair[1].1);
+    interface_sides.map(|pair| (pair[0].0, [pair[0].1, pair[1].1])).collect()
 }
 
 /// Largest distances of the surfaces from the mesh and of the mesh from the surfaces, sampled at corners, middles of edges and of faces, and where
 /// they are; of the surfaces what is visible alone, where that is given.
-pub(crate) fn hausdorff(
+pub(crate) fn hausdorff_distances(
     mesh: &TetMesh,
     interface: &[[u32; 3]],
     surfaces: &[&Surface],
     visible: Option<&Surface>,
 ) -> [(Metre, Point3); 2] {
     let skin = mesh.skin.iter().filter(|f| f.on != Skin::Symmetry).map(|f| f.nodes);
-    let own: Vec<[Point3; 3]> =
+    let mesh_faces: Vec<[Point3; 3]> =
         skin.chain(interface.iter().copied()).map(|f| f.map(|n| mesh.nodes[n as usize])).collect();
-    let given = surfaces.iter().flat_map(|s| (0..s.faces.len()).map(|f| s.corners(f)));
+    let surface_faces = surfaces.iter().flat_map(|s| (0..s.faces.len()).map(|f| s.corners(f)));
     // a half mesh is compared with the upper half; the lower one is its image
-    let given: Vec<[Point3; 3]> = given.filter(|c| !mesh.half || c.iter().any(|p| p[2] >= 0.0)).collect();
-    let (to_own, to_given) = (Nearest::new(own.clone()), Nearest::new(given.clone()));
+    let surface_faces: Vec<[Point3; 3]> =
+        surface_faces.filter(|c| !mesh.half || c.iter().any(|p| p[2] >= 0.0)).collect();
+    let (to_own, to_given) = (Nearest::new(mesh_faces.clone()), Nearest::new(surface_faces.clone()));
     let fold = |p: Point3| if mesh.half { [p[0], p[1], p[2].abs()] } else { p };
     let worst = |distances: &mut dyn Iterator<Item = (Metre, Point3)>| {
         distances.fold((0.0, [0.0; 3]), |worst, d| if d.0 > worst.0 { d } else { worst })
     };
     let shown = visible.map(|surface| (0..surface.faces.len()).map(|f| surface.corners(f)).collect::<Vec<_>>());
     [
-        worst(&mut shown.as_ref().unwrap_or(&given).iter().map(|c| farthest(&to_own, c, fold))),
-        worst(&mut own.iter().map(|c| farthest(&to_given, c, |p| p))),
+        worst(&mut shown.as_ref().unwrap_or(&surface_faces).iter().map(|c| farthest_sample(&to_own, c, fold))),
+        worst(&mut mesh_faces.iter().map(|c| farthest_sample(&to_given, c, |p| p))),
     ]
 }
 
-fn farthest(near: &Nearest, &[a, b, c]: &[Point3; 3], fold: impl Fn(Point3) -> Point3) -> (Metre, Point3) {
+fn farthest_sample(nearest: &Nearest, &[a, b, c]: &[Point3; 3], fold: impl Fn(Point3) -> Point3) -> (Metre, Point3) {
     let middle = |p: Point3, q: Point3| [0, 1, 2].map(|k| (p[k] + q[k]) / 2.0);
     let centre = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
     let samples = [a, b, c, middle(a, b), middle(b, c), middle(c, a), centre].map(fold);
-    let distance = |at: Point3| near.find(at).map_or(f64::INFINITY, |hit| hit.distance);
+    let distance = |point: Point3| nearest.find(point).map_or(f64::INFINITY, |hit| hit.distance);
     samples.into_iter().map(|s| (distance(s), s)).fold((0.0, a), |worst, d| if d.0 > worst.0 { d } else { worst })
 }
 

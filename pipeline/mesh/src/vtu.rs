@@ -13,7 +13,7 @@ const QUADRATIC_WEDGE: u8 = 26;
 const WEDGE: [usize; 15] = [0, 1, 2, 4, 5, 6, 8, 9, 11, 12, 13, 15, 16, 17, 18];
 
 /// VTK's number of a cell with 4, 10 or 20 `nodes`, and its nodes in VTK's order.
-pub fn cell(nodes: &[u32]) -> (u8, Vec<u32>) {
+pub fn vtk_cell(nodes: &[u32]) -> (u8, Vec<u32>) {
     match nodes.len() {
         4 => (TETRAHEDRON, nodes.to_vec()),
         20 if nodes[2] == nodes[3] => (QUADRATIC_WEDGE, WEDGE.iter().map(|&n| nodes[n]).collect()),
@@ -24,7 +24,7 @@ pub fn cell(nodes: &[u32]) -> (u8, Vec<u32>) {
 
 /// The mesh with its regions as cell data.
 pub fn write(mesh: &QuadraticMesh) -> String {
-    let listed: Vec<(u8, Vec<u32>)> = mesh.elements.iter().map(cell).collect();
+    let listed: Vec<(u8, Vec<u32>)> = mesh.elements.iter().map(vtk_cell).collect();
     let cells = listed.len();
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     text += "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"><UnstructuredGrid>\n";
@@ -35,20 +35,20 @@ pub fn write(mesh: &QuadraticMesh) -> String {
     }
     text += "</DataArray></Points>\n<Cells>\n";
     let words = |nodes: &[u32]| nodes.iter().map(u32::to_string).collect::<Vec<_>>().join(" ");
-    array(&mut text, "Int32", "connectivity", listed.iter().map(|(_, nodes)| words(nodes)));
+    write_array(&mut text, "Int32", "connectivity", listed.iter().map(|(_, nodes)| words(nodes)));
     let offsets = listed.iter().scan(0, |sum, (_, nodes)| {
         *sum += nodes.len();
         Some(sum.to_string())
     });
-    array(&mut text, "Int32", "offsets", offsets);
-    array(&mut text, "UInt8", "types", listed.iter().map(|(kind, _)| kind.to_string()));
+    write_array(&mut text, "Int32", "offsets", offsets);
+    write_array(&mut text, "UInt8", "types", listed.iter().map(|(kind, _)| kind.to_string()));
     text += "</Cells>\n<CellData Scalars=\"region\">\n";
-    array(&mut text, "Int32", "region", mesh.regions.iter().map(u16::to_string));
+    write_array(&mut text, "Int32", "region", mesh.regions.iter().map(u16::to_string));
     text + "</CellData>\n</Piece></UnstructuredGrid></VTKFile>\n"
 }
 
-fn array(text: &mut String, of: &str, name: &str, rows: impl Iterator<Item = String>) {
-    let _ = writeln!(text, "<DataArray type=\"{of}\" Name=\"{name}\" format=\"ascii\">");
+fn write_array(text: &mut String, kind: &str, name: &str, rows: impl Iterator<Item = String>) {
+    let _ = writeln!(text, "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">");
     for row in rows {
         text.push_str(&row);
         text.push('\n');

@@ -40,43 +40,48 @@ impl Section {
         let spine = spine.flat_map(|(nodes, _)| nodes.iter().copied());
         let spine: BTreeSet<u32> = spine.filter(level).collect();
         let outer: BTreeSet<u32> = skin.filter(level).filter(|n| !spine.contains(n)).collect();
-        let side = |of: &BTreeSet<u32>, sign: f64| {
-            let on = |n: &&u32| sign * solid.nodes[**n as usize][1] > NEAR;
-            let mut nodes: Vec<u32> = of.iter().filter(on).copied().collect();
+        let side = |candidates: &BTreeSet<u32>, sign: f64| {
+            let is_on_side = |n: &&u32| sign * solid.nodes[**n as usize][1] > NEAR;
+            let mut nodes: Vec<u32> = candidates.iter().filter(is_on_side).copied().collect();
             nodes.sort_by(|a, b| solid.nodes[*a as usize][0].total_cmp(&solid.nodes[*b as usize][0]));
             nodes
         };
-        let sides = |of: &BTreeSet<u32>| [side(of, 1.0), side(of, -1.0)];
+        let sides = |candidates: &BTreeSet<u32>| [side(candidates, 1.0), side(candidates, -1.0)];
         let section = Self { outer: sides(&outer), sheet: sides(&spine), rest: solid.nodes.clone() };
-        let whole = section.sheet.iter().all(|s| s.len() > 1) && section.outer.iter().all(|o| !o.is_empty());
-        whole.then_some(section)
+        let is_complete = section.sheet.iter().all(|s| s.len() > 1) && section.outer.iter().all(|o| !o.is_empty());
+        is_complete.then_some(section)
     }
 
     /// Displacement of the walls: `filled` says whether the side of positive y is under pressure.
     pub fn walls(&self, moved: &[Point3], filled: bool) -> Walls {
         let (full, empty) = if filled { (0, 1) } else { (1, 0) };
-        let least = |best: (Metre, Point3), next: (Metre, Point3)| if next.0 < best.0 { next } else { best };
-        let (dent, dent_at) = self.change(moved, empty).fold((0.0, [0.0; 3]), least);
-        let bulge_m = self.change(moved, full).map(|(by, _)| by).fold(0.0, f64::max);
+        let smaller = |best: (Metre, Point3), next: (Metre, Point3)| if next.0 < best.0 { next } else { best };
+        let (dent, dent_at) = self.wall_change(moved, empty).fold((0.0, [0.0; 3]), smaller);
+        let bulge_m = self.wall_change(moved, full).map(|(by, _)| by).fold(0.0, f64::max);
         Walls { dent_m: -dent, dent_at, bulge_m }
     }
 
     /// Change of the distance from the sheet of each node of one side's wall, m, and its position at rest.
-    fn change<'a>(&'a self, moved: &'a [Point3], side: usize) -> impl Iterator<Item = (Metre, Point3)> + 'a {
-        let apart = move |nodes: &[Point3], wall: u32| distance(flat(nodes[wall as usize]), &self.sheet[side], nodes);
-        self.outer[side].iter().map(move |&n| (apart(moved, n) - apart(&self.rest, n), self.rest[n as usize]))
+    fn wall_change<'a>(&'a self, moved: &'a [Point3], side: usize) -> impl Iterator<Item = (Metre, Point3)> + 'a {
+        let distance_from_sheet = move |nodes: &[Point3], wall: u32| {
+            distance_from_line(in_plane(nodes[wall as usize]), &self.sheet[side], nodes)
+        };
+        self.outer[side]
+            .iter()
+            .map(move |&n| (distance_from_sheet(moved, n) - distance_from_sheet(&self.rest, n), self.rest[n as usize]))
     }
 }
 
 /// Rotation of the far third of a body in the plane, rad, positive towards y: the best fit to its nodes in the sense of least squares, so
 /// that fluttering edges count little.
 pub fn end_rotation(rest: &[Point3], moved: &[Point3]) -> f64 {
-    let along = || rest.iter().map(|node| node[0]);
-    let (low, high) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
+    let lengthwise = || rest.iter().map(|node| node[0]);
+    let (low, high) = (lengthwise().fold(f64::INFINITY, f64::min), lengthwise().fold(f64::NEG_INFINITY, f64::max));
     let far = |x: f64| x > high - (high - low) / 3.0;
     let pairs: Vec<(Point2, Point2)> =
-        rest.iter().zip(moved).filter(|(node, _)| far(node[0])).map(|(a, b)| (flat(*a), flat(*b))).collect();
-    let mean = |of: &dyn Fn(&(Point2, Point2)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+        rest.iter().zip(moved).filter(|(node, _)| far(node[0])).map(|(a, b)| (in_plane(*a), in_plane(*b))).collect();
+    let mean =
+        |component: &dyn Fn(&(Point2, Point2)) -> f64| pairs.iter().map(component).sum::<f64>() / pairs.len() as f64;
     let (a, b) = ([mean(&|p| p.0[0]), mean(&|p| p.0[1])], [mean(&|p| p.1[0]), mean(&|p| p.1[1])]);
     let (mut sine, mut cosine) = (0.0, 0.0);
     for (from, to) in &pairs {
@@ -95,8 +100,8 @@ const LEAST_DENT: Metre = 1e-3;
 // An imperfect wall has no bifurcation: its dent grows by degrees, and fastest near the critical pressure of the perfect one.
 pub fn steepest_rise(pressures: &[Pascal], dents: &[Metre]) -> Option<usize> {
     let deepest = dents.iter().copied().fold(0.0, f64::max);
-    let steepest =
-        (1..pressures.len()).max_by(|a, b| slope(pressures, dents, a - 1).total_cmp(&slope(pressures, dents, b - 1)));
+    let steepest = (1..pressures.len())
+        .max_by(|a, b| dent_growth(pressures, dents, a - 1).total_cmp(&dent_growth(pressures, dents, b - 1)));
     steepest.filter(|_| deepest >= LEAST_DENT).map(|i| i - 1)
 }
 
@@ -107,7 +112,9 @@ pub fn buckling_pressure(pressures: &[Pascal], dents: &[Metre]) -> Option<Pascal
     let steepest = steepest_rise(pressures, dents)?;
     let middle = |i: usize| 0.5 * (pressures[i] + pressures[i + 1]);
     Some(match steepest > 0 && steepest + 2 < pressures.len() {
-        true => vertex([steepest - 1, steepest, steepest + 1].map(|i| [middle(i), slope(pressures, dents, i)])),
+        true => parabola_vertex(
+            [steepest - 1, steepest, steepest + 1].map(|i| [middle(i), dent_growth(pressures, dents, i)]),
+        ),
         false => middle(steepest),
     })
 }
@@ -119,25 +126,25 @@ pub fn buckling_pressure_of(walls: impl Iterator<Item = (Pascal, Walls)>) -> Opt
 }
 
 /// Growth of the dents from one pressure to the next, m/Pa.
-fn slope(pressures: &[Pascal], dents: &[Metre], i: usize) -> f64 {
+fn dent_growth(pressures: &[Pascal], dents: &[Metre], i: usize) -> f64 {
     (dents[i + 1] - dents[i]) / (pressures[i + 1] - pressures[i])
 }
 
 /// Where the parabola through three points, of which the middle one is the highest, is highest.
-fn vertex([a, b, c]: [Point2; 3]) -> f64 {
+fn parabola_vertex([a, b, c]: [Point2; 3]) -> f64 {
     let (left, right) = ((b[1] - a[1]) / (b[0] - a[0]), (c[1] - b[1]) / (c[0] - b[0]));
     let curvature = (right - left) / (c[0] - a[0]);
     if curvature < 0.0 { 0.5 * (a[0] + b[0] - left / curvature) } else { b[0] }
 }
 
-fn flat(p: Point3) -> Point2 {
+fn in_plane(p: Point3) -> Point2 {
     [p[0], p[1]]
 }
 
 /// Least distance of a point from the line through nodes, m.
-fn distance(at: Point2, line: &[u32], nodes: &[Point3]) -> Metre {
-    let corner = |n: u32| flat(nodes[n as usize]);
-    line.windows(2).map(|w| to_segment(at, corner(w[0]), corner(w[1]))).fold(f64::INFINITY, f64::min)
+fn distance_from_line(point: Point2, line: &[u32], nodes: &[Point3]) -> Metre {
+    let corner = |n: u32| in_plane(nodes[n as usize]);
+    line.windows(2).map(|w| to_segment(point, corner(w[0]), corner(w[1]))).fold(f64::INFINITY, f64::min)
 }
 
 fn to_segment(at: Point2, a: Point2, b: Point2) -> Metre {
@@ -217,7 +224,7 @@ mod tests {
     #[test]
     fn the_vertex_of_a_parabola_is_found_and_a_line_has_its_middle() {
         let parabola = |x: f64| [x, 3.0 - 2.0 * (x - 1.25).powi(2)];
-        assert!((vertex([0.0, 1.0, 3.0].map(parabola)) - 1.25).abs() < 1e-12);
-        assert_eq!(vertex([0.0, 1.0, 3.0].map(|x| [x, 2.0 * x])), 1.0);
+        assert!((parabola_vertex([0.0, 1.0, 3.0].map(parabola)) - 1.25).abs() < 1e-12);
+        assert_eq!(parabola_vertex([0.0, 1.0, 3.0].map(|x| [x, 2.0 * x])), 1.0);
     }
 }

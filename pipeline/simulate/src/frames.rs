@@ -107,7 +107,8 @@ fn others(folder: &Path, list: &str) -> Diagnostic {
 
 /// The elements by their nodes and VTK's numbers of their kinds.
 fn write_cells(text: &mut String, solid: &Solid) {
-    let listed: Vec<(u8, Vec<u32>)> = (0..solid.len()).map(|element| mesh::vtu::cell(solid.element(element))).collect();
+    let listed: Vec<(u8, Vec<u32>)> =
+        (0..solid.len()).map(|element| mesh::vtu::vtk_cell(solid.element(element))).collect();
     wholes(text, "connectivity", &listed.iter().flat_map(|cell| &cell.1).map(|&node| node as i32).collect::<Vec<_>>());
     let ends = listed.iter().scan(0, |end, (_, nodes)| {
         *end += nodes.len() as i32;

@@ -35,7 +35,7 @@ pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<
         merge: 1e-6,
         half,
     };
-    stack::fill(&stack).map_err(|Cycle { lower, upper }| TailError::CrossingLayers { lower, upper })
+    stack::fill_stack(&stack).map_err(|Cycle { lower, upper }| TailError::CrossingLayers { lower, upper })
 }
 
 /// Heights of the sheets of the +y side above one plan vertex, m.

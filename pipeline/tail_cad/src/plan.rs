@@ -169,7 +169,7 @@ fn divide_by_arc_length(positions: &mut Vec<Metre>, tail: &Tail, end: Metre, edg
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mesh::frame::turn;
+    use mesh::frame::doubled_area;
 
     #[test]
     fn the_plan_covers_the_outline_with_triangles_that_turn_left() {
@@ -177,7 +177,7 @@ mod tests {
         let plan = Plan::new(&tail, &Resolution::even(&tail, 3e-3));
         let areas = plan.triangles.iter().map(|t| {
             let [a, b, c] = t.map(|v| plan.points[v as usize]);
-            turn(a, b, c) / 2.0
+            doubled_area(a, b, c) / 2.0
         });
         let areas: Vec<f64> = areas.collect();
         assert!(areas.iter().all(|&a| a > 0.0));

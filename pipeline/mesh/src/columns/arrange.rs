@@ -21,21 +21,21 @@ struct VertexGrid {
 }
 
 impl VertexGrid {
-    fn cell(&self, at: Point2) -> [i64; 2] {
-        at.map(|c| (c / self.near).floor() as i64)
+    fn cell_of(&self, point: Point2) -> [i64; 2] {
+        point.map(|c| (c / self.near).floor() as i64)
     }
 
     /// The first vertex within the tolerance, or a new one.
-    fn vertex(&mut self, at: Point2) -> u32 {
-        let [cx, cy] = self.cell(at);
-        let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [cx + dx, cy + dy]));
-        let known = around.filter_map(|c| self.cells.get(&c)).flatten();
-        let known = known.filter(|&&v| distance(self.points[v as usize], at) <= self.near);
-        if let Some(&v) = known.min() {
+    fn vertex_at(&mut self, point: Point2) -> u32 {
+        let [cx, cy] = self.cell_of(point);
+        let neighbour_cells = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [cx + dx, cy + dy]));
+        let nearby = neighbour_cells.filter_map(|c| self.cells.get(&c)).flatten();
+        let nearby = nearby.filter(|&&v| distance(self.points[v as usize], point) <= self.near);
+        if let Some(&v) = nearby.min() {
             return v;
         }
         let v = self.points.len() as u32;
-        self.points.push(at);
+        self.points.push(point);
         self.cells.entry([cx, cy]).or_default().push(v);
         v
     }
@@ -56,11 +56,11 @@ pub(crate) fn nearest_on_segment(at: Point2, [a, b]: [Point2; 2]) -> (f64, Metre
 /// Arranges segments: vertices within `near` (m) become one, segments are cut where they touch or cross.
 ///
 /// The first of several near vertices wins, so a line that must stay straight comes first.
-pub(crate) fn arrange(segments: &[[Point2; 2]], near: Metre) -> Graph {
+pub(crate) fn arrange_segments(segments: &[[Point2; 2]], near: Metre) -> Graph {
     let mut grid = VertexGrid { near, points: Vec::new(), cells: HashMap::new() };
     let mut edges = BTreeSet::new();
     for s in segments {
-        insert(&mut edges, grid.vertex(s[0]), grid.vertex(s[1]));
+        insert_edge(&mut edges, grid.vertex_at(s[0]), grid.vertex_at(s[1]));
     }
     // a split can create a new contact, so that splitting is repeated until nothing changes
     for _ in 0..20 {
@@ -73,7 +73,7 @@ pub(crate) fn arrange(segments: &[[Point2; 2]], near: Metre) -> Graph {
     Graph { points: grid.points, edges: edges.into_iter().collect() }
 }
 
-fn insert(edges: &mut BTreeSet<[u32; 2]>, a: u32, b: u32) {
+fn insert_edge(edges: &mut BTreeSet<[u32; 2]>, a: u32, b: u32) {
     if a != b {
         edges.insert([a.min(b), a.max(b)]);
     }
@@ -83,41 +83,41 @@ fn insert(edges: &mut BTreeSet<[u32; 2]>, a: u32, b: u32) {
 fn cut_round(grid: &mut VertexGrid, edges: &BTreeSet<[u32; 2]>) -> BTreeSet<[u32; 2]> {
     let edges: Vec<[u32; 2]> = edges.iter().copied().collect();
     let mut cuts: Vec<Vec<u32>> = vec![Vec::new(); edges.len()];
-    crossings(grid, &edges, &mut cuts);
-    touches(grid, &edges, &mut cuts);
+    cut_crossings(grid, &edges, &mut cuts);
+    cut_touches(grid, &edges, &mut cuts);
     let mut cut = BTreeSet::new();
-    for (edge, on) in edges.iter().zip(&mut cuts) {
+    for (edge, cuts_on_edge) in edges.iter().zip(&mut cuts) {
         let ends = edge.map(|v| grid.points[v as usize]);
         let share = |v: &u32| nearest_on_segment(grid.points[*v as usize], ends).0;
-        on.sort_by(|a, b| share(a).total_cmp(&share(b)).then(a.cmp(b)));
-        let mut from = edge[0];
-        for &v in on.iter().chain([&edge[1]]) {
-            insert(&mut cut, from, v);
-            from = v;
+        cuts_on_edge.sort_by(|a, b| share(a).total_cmp(&share(b)).then(a.cmp(b)));
+        let mut start = edge[0];
+        for &v in cuts_on_edge.iter().chain([&edge[1]]) {
+            insert_edge(&mut cut, start, v);
+            start = v;
         }
     }
     cut
 }
 
 /// Finds pairs of edges that cross away from their ends, and makes a vertex there.
-fn crossings(grid: &mut VertexGrid, edges: &[[u32; 2]], cuts: &mut [Vec<u32>]) {
-    for (i, j) in close_pairs(&boxes(grid, edges)) {
+fn cut_crossings(grid: &mut VertexGrid, edges: &[[u32; 2]], cuts: &mut [Vec<u32>]) {
+    for (i, j) in close_pairs(&edge_boxes(grid, edges)) {
         if edges[i].iter().any(|v| edges[j].contains(v)) {
             continue;
         }
         let [p, q] = [i, j].map(|e| edges[e].map(|v| grid.points[v as usize]));
-        if let Some(at) = crossing(p, q) {
-            let v = grid.vertex(at);
+        if let Some(at) = segment_crossing(p, q) {
+            let v = grid.vertex_at(at);
             [i, j].into_iter().filter(|&e| !edges[e].contains(&v)).for_each(|e| cuts[e].push(v));
         }
     }
 }
 
 /// Finds vertices that lie on edges they do not end.
-fn touches(grid: &VertexGrid, edges: &[[u32; 2]], cuts: &mut [Vec<u32>]) {
-    let mut all = boxes(grid, edges);
-    all.extend(grid.points.iter().map(|p| [*p, *p]));
-    for (i, j) in close_pairs(&all) {
+fn cut_touches(grid: &VertexGrid, edges: &[[u32; 2]], cuts: &mut [Vec<u32>]) {
+    let mut bounds = edge_boxes(grid, edges);
+    bounds.extend(grid.points.iter().map(|p| [*p, *p]));
+    for (i, j) in close_pairs(&bounds) {
         let (edge, vertex) = (i.min(j), i.max(j));
         if edge >= edges.len() || vertex < edges.len() {
             continue;
@@ -134,7 +134,7 @@ fn touches(grid: &VertexGrid, edges: &[[u32; 2]], cuts: &mut [Vec<u32>]) {
     });
 }
 
-fn boxes(grid: &VertexGrid, edges: &[[u32; 2]]) -> Vec<[Point2; 2]> {
+fn edge_boxes(grid: &VertexGrid, edges: &[[u32; 2]]) -> Vec<[Point2; 2]> {
     let grown = |edge: &[u32; 2]| {
         let [a, b] = edge.map(|v| grid.points[v as usize]);
         let n = grid.near;
@@ -157,10 +157,10 @@ fn close_pairs(boxes: &[[Point2; 2]]) -> Vec<(usize, usize)> {
 }
 
 /// Where two segments cross strictly inside both.
-pub(crate) fn crossing([a, b]: [Point2; 2], [c, d]: [Point2; 2]) -> Option<Point2> {
-    use crate::frame::turn;
-    let (left, right) = (turn(a, b, c), turn(a, b, d));
-    let (up, down) = (turn(c, d, a), turn(c, d, b));
+pub(crate) fn segment_crossing([a, b]: [Point2; 2], [c, d]: [Point2; 2]) -> Option<Point2> {
+    use crate::frame::doubled_area;
+    let (left, right) = (doubled_area(a, b, c), doubled_area(a, b, d));
+    let (up, down) = (doubled_area(c, d, a), doubled_area(c, d, b));
     if left * right >= 0.0 || up * down >= 0.0 {
         return None;
     }
@@ -180,7 +180,7 @@ mod tests {
             [[5.0, -5.0], [5.0, 5.0]],        // crosses
             [[2.0, 3.0], [2.0, 0.0005]],      // ends on it
         ];
-        let graph = arrange(&segments, 0.001);
+        let graph = arrange_segments(&segments, 0.001);
         assert_eq!(graph.points.len(), 8);
         assert_eq!(graph.edges.len(), 7);
     }

@@ -30,7 +30,7 @@ impl Chambers {
         }
         cavities.sort_by(|a, b| {
             let above = |s: &Shell| s.centroid[frame.normal] > middle;
-            above(a.0).cmp(&above(b.0)).then(along(a.0, b.0))
+            above(a.0).cmp(&above(b.0)).then(centroid_order(a.0, b.0))
         });
         let mut of_shell = [0, 1].map(|p: usize| vec![None; parts[p].shells.len()]);
         cavities.iter().enumerate().for_each(|(k, (_, p, s))| of_shell[*p][*s] = Some(k as u16));
@@ -38,7 +38,7 @@ impl Chambers {
     }
 }
 
-fn along(a: &Shell, b: &Shell) -> Ordering {
+fn centroid_order(a: &Shell, b: &Shell) -> Ordering {
     let axes = a.centroid.iter().zip(&b.centroid).map(|(x, y)| x.total_cmp(y));
     axes.fold(Ordering::Equal, Ordering::then)
 }
@@ -78,7 +78,7 @@ mod tests {
         let body = with_cavity(body, [0.01, -0.005, -0.005], [0.05, 0.005, 0.005]);
         let body = with_cavity(body, [0.01, -0.005, 0.01], [0.05, 0.005, 0.015]);
         let none = crate::Surface::default();
-        let parts = [Part::new(&body).unwrap(), Part::none(&none)];
+        let parts = [Part::new(&body).unwrap(), Part::without_surface(&none)];
         let chambers = Chambers::new(&parts, Frame { normal: 1 }, Some(1e-6));
         assert_eq!(chambers.of_shell[0], [None, None, Some(0), Some(1)]);
         let set = crate::Settings::new(0.005);

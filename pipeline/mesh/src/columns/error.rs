@@ -1,6 +1,6 @@
 //! Errors of the mesher: the surface, the place and what to do.
 
-use crate::surface::place;
+use crate::surface::place_text;
 use crate::{SurfaceError, ValidationError};
 use si::{Metre, Point3};
 
@@ -40,7 +40,7 @@ pub enum MeshError {
         limit: f64,
     },
     /// A body that rows of quadrilaterals and levels do not divide.
-    #[error("the body cannot be divided into hexahedra at {}\n  why: {why}\n  do:  mesh it in tetrahedra", place(.at))]
+    #[error("the body cannot be divided into hexahedra at {}\n  why: {why}\n  do:  mesh it in tetrahedra", place_text(.at))]
     NotSwept {
         /// Where, m.
         at: Point3,
@@ -48,7 +48,7 @@ pub enum MeshError {
         why: &'static str,
     },
     /// Space between body and spine that neither fills.
-    #[error("a gap of {:.3} mm lies between body and spine at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, extend the body to the spine's surface there", .width * 1e3, place(.at), .limit * 1e3)]
+    #[error("a gap of {:.3} mm lies between body and spine at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, extend the body to the spine's surface there", .width * 1e3, place_text(.at), .limit * 1e3)]
     Gap {
         /// Where, m.
         at: Point3,
@@ -58,7 +58,7 @@ pub enum MeshError {
         limit: Metre,
     },
     /// Space that both body and spine fill.
-    #[error("body and spine overlap by {:.3} mm at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, subtract the spine from the body", .width * 1e3, place(.at), .limit * 1e3)]
+    #[error("body and spine overlap by {:.3} mm at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, subtract the spine from the body", .width * 1e3, place_text(.at), .limit * 1e3)]
     Overlap {
         /// Where, m.
         at: Point3,
@@ -68,7 +68,7 @@ pub enum MeshError {
         limit: Metre,
     },
     /// A line that enters a solid more often than it leaves it.
-    #[error("the {role} is no stack of layers near {}: a column there enters it and does not leave it\n  why: its side is rounded or slanted there, or faces fold over or cut each other; columns need sides along them\n  do:  take the method general or auto, which take any closed surface; if that refuses it too, look at the faces there", place(.at))]
+    #[error("the {role} is no stack of layers near {}: a column there enters it and does not leave it\n  why: its side is rounded or slanted there, or faces fold over or cut each other; columns need sides along them\n  do:  take the method general or auto, which take any closed surface; if that refuses it too, look at the faces there", place_text(.at))]
     OddCrossings {
         /// `body` or `spine`.
         role: &'static str,
@@ -76,7 +76,7 @@ pub enum MeshError {
         at: Point3,
     },
     /// Layers without a common order.
-    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is not a stack of layers over the sheet\n  do:  take the method general or auto, which take any closed surface", place(.lower), place(.upper))]
+    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is not a stack of layers over the sheet\n  do:  take the method general or auto, which take any closed surface", place_text(.lower), place_text(.upper))]
     NoCommonOrder {
         /// A point of one layer, m.
         lower: Point3,
@@ -84,7 +84,7 @@ pub enum MeshError {
         upper: Point3,
     },
     /// Outlines that cross when they are drawn with edges of the target length.
-    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts are closer to each other than the largest distance of an edge from its outline\n  do:  take a shorter edge, or the method general or auto", place(.at), .edge * 1e3)]
+    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts are closer to each other than the largest distance of an edge from its outline\n  do:  take a shorter edge, or the method general or auto", place_text(.at), .edge * 1e3)]
     CrossingOutlines {
         /// Where, m.
         at: Point3,

@@ -15,7 +15,7 @@ const THIN: f64 = 3.0;
 ///
 /// # Errors
 /// [`MeshError::Surface`], [`MeshError::Settings`] or [`MeshError::TooLarge`].
-pub(crate) fn check(parts: &[(&'static str, &Surface)], set: &Settings) -> Result<(), MeshError> {
+pub(crate) fn check_size(parts: &[(&'static str, &Surface)], set: &Settings) -> Result<(), MeshError> {
     for &(role, surface) in parts {
         surface.check().map_err(|source| MeshError::Surface { role, source })?;
     }
@@ -27,7 +27,7 @@ pub(crate) fn check(parts: &[(&'static str, &Surface)], set: &Settings) -> Resul
         }
     }
     let length = parts.iter().map(|(_, surface)| surface.length()).fold(0.0, f64::max);
-    let elements = parts.iter().map(|(_, surface)| elements(surface, edge)).sum::<f64>();
+    let elements = parts.iter().map(|(_, surface)| estimated_elements(surface, edge)).sum::<f64>();
     // an overflow is none of a number below the limit
     if elements <= MAX_ELEMENTS {
         Ok(())
@@ -37,7 +37,7 @@ pub(crate) fn check(parts: &[(&'static str, &Surface)], set: &Settings) -> Resul
 }
 
 /// Estimated elements of a solid: those of its volume, and those under its faces, of which each column has two.
-fn elements(surface: &Surface, edge: f64) -> f64 {
+fn estimated_elements(surface: &Surface, edge: f64) -> f64 {
     surface.volume().abs() / (TETRAHEDRON * edge.powi(3)) + THIN * surface.area() / (2.0 * TRIANGLE * edge.powi(2))
 }
 
@@ -53,7 +53,7 @@ mod tests {
             let body = block([0.0; 3], size);
             let set = Settings { use_symmetry: false, ..Settings::new(edge) };
             let (made, _) = mesh_without_sheet(&body, &set).unwrap();
-            let ratio = elements(&body, edge) / made.tets.len() as f64;
+            let ratio = estimated_elements(&body, edge) / made.tets.len() as f64;
             assert!((1.0 / 3.0..3.0).contains(&ratio), "{ratio} of {}", made.tets.len());
         }
     }

@@ -26,19 +26,19 @@ pub(crate) mod symmetry;
 mod tests;
 
 pub use error::MeshError;
-pub(crate) use estimate::check as check_size;
+pub(crate) use estimate::check_size;
 pub use grid::{Grading, LayeredBody, Slab, layers_in_hexahedra};
 
 use crate::frame::Frame;
 use crate::stack::{self, Cycle, Stack};
 use crate::validate::{self, Limits, Reference};
 use crate::{Method, QuadraticMesh, Report, Surface, TetMesh};
-use arrange::{Graph, arrange};
+use arrange::{Graph, arrange_segments};
 use chambers::Chambers;
 use outline_snap::snap_to_outlines;
-use patches::{Part, Patch, column_axes, dominant_axes, patches, seams};
-use plane::{Plane, triangulate};
-use resample::{Spacing, resample};
+use patches::{Part, Patch, column_axes, dominant_axes, find_patches, find_seams};
+use plane::{Plane, triangulate_plan};
+use resample::{Spacing, resample_graph};
 use sequence::{Sampler, Sequence};
 use sheets::Sheets;
 use si::{Metre, Point2};
@@ -91,7 +91,7 @@ const REFINEMENTS: usize = 3;
 /// # Errors
 /// [`MeshError`], which names the surface and the place; before anything is made, when that would take too much memory.
 pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
-    estimate::check(&[("body", body), ("spine", spine)], set)?;
+    estimate::check_size(&[("body", body), ("spine", spine)], set)?;
     let part = |role, surface| Part::new(surface).map_err(|source| MeshError::Surface { role, source });
     let [normal, ..] = dominant_axes(spine);
     mesh_parts([part("body", body)?, part("spine", spine)?], normal, set)
@@ -109,17 +109,17 @@ pub(crate) fn mesh_in_hexahedra(
     grading: &Grading,
 ) -> Result<(QuadraticMesh, Report), MeshError> {
     let none = Surface::default();
-    estimate::check(&[("body", body), ("spine", spine.unwrap_or(&none))], set)?;
+    estimate::check_size(&[("body", body), ("spine", spine.unwrap_or(&none))], set)?;
     let part = |role, surface| Part::new(surface).map_err(|source| MeshError::Surface { role, source });
     let (frame, sheet) = match spine {
         Some(spine) => (dominant_axes(spine)[0], part("spine", spine)?),
-        None => (column_axes(body)[0], Part::none(&none)),
+        None => (column_axes(body)[0], Part::without_surface(&none)),
     };
     let parts = [part("body", body)?, sheet];
     let survey = Survey::new(&parts, frame, set);
     let set = Settings { use_symmetry: survey.cut.is_some(), ..*set };
-    let solid = grid::hexahedra(&survey.outlines, &survey.sampler(&set), &set, grading)?;
-    let report = survey.validated(&solid.clone().into_corners(), &set)?;
+    let solid = grid::mesh_hexahedra(&survey.outlines, &survey.region_sampler(&set), &set, grading)?;
+    let report = survey.validated_report(&solid.clone().into_corners(), &set)?;
     let corners = solid.elements.iter().flat_map(|nodes| &nodes[..8]).collect::<BTreeSet<_>>().len();
     let (tets, quadratic_nodes) = (solid.elements.len(), solid.nodes.len());
     Ok((solid, Report { nodes: corners, tets, quadratic_nodes, ..report }))
@@ -131,22 +131,22 @@ pub(crate) fn mesh_in_hexahedra(
 /// # Errors
 /// [`MeshError`] of the first axis, when all three fail; before that, when the surface or the settings would take too much memory.
 pub fn mesh_without_sheet(body: &Surface, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
-    estimate::check(&[("body", body)], set)?;
+    estimate::check_size(&[("body", body)], set)?;
     let none = Surface::default();
-    let along = |frame| {
+    let mesh_along = |frame| {
         let part = Part::new(body).map_err(|source| MeshError::Surface { role: "body", source })?;
-        mesh_parts([part, Part::none(&none)], frame, set)
+        mesh_parts([part, Part::without_surface(&none)], frame, set)
     };
     let [first, second, third] = column_axes(body);
     // the error of the first axis is the one that a reader can act on
-    along(first).or_else(|why| along(second).or_else(|_| along(third)).map_err(|_| why))
+    mesh_along(first).or_else(|why| mesh_along(second).or_else(|_| mesh_along(third)).map_err(|_| why))
 }
 
 /// Columns of both parts along `frame`'s normal.
 fn mesh_parts(parts: [Part; 2], frame: Frame, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
     let survey = Survey::new(&parts, frame, set);
-    let tetrahedra = build(&survey.outlines, &survey.sampler(set), set, survey.cut.is_some())?;
-    let report = survey.validated(&tetrahedra, set)?;
+    let tetrahedra = build_tetrahedra(&survey.outlines, &survey.region_sampler(set), set, survey.cut.is_some())?;
+    let report = survey.validated_report(&tetrahedra, set)?;
     Ok((tetrahedra, report))
 }
 
@@ -166,26 +166,26 @@ impl<'a> Survey<'a> {
     fn new(parts: &'a [Part<'a>; 2], frame: Frame, set: &Settings) -> Self {
         let [body, spine] = parts.each_ref().map(|p| p.surface);
         let tolerance = set.tolerance * body.length().max(spine.length());
-        let patches: Vec<Patch> = parts.iter().enumerate().flat_map(|(i, p)| patches(p, i, frame)).collect();
+        let patches: Vec<Patch> = parts.iter().enumerate().flat_map(|(i, p)| find_patches(p, i, frame)).collect();
         // a half model halves the number of unknowns; the surfaces share no triangulation with their mirror image, so symmetry
         // is tested by distances
         let half = set.use_symmetry && [body, spine].iter().all(|s| symmetry::is_symmetric(s, tolerance));
         let cut = if half { frame.plan_axis(2) } else { None };
         let chambers = Chambers::new(parts, frame, cut.map(|_| tolerance));
-        let outlines = outlines(parts, frame, cut, tolerance);
+        let outlines = plan_outlines(parts, frame, cut, tolerance);
         Self { parts, frame, patches, chambers, outlines, cut, tolerance }
     }
 
-    fn sampler(&self, set: &Settings) -> Sampler<'_> {
+    fn region_sampler(&self, set: &Settings) -> Sampler<'_> {
         let Self { frame, patches, chambers, tolerance, .. } = self;
         let least_gap = set.edge / 2.0;
         Sampler { frame: *frame, patches, chambers: &chambers.of_shell, tolerance: *tolerance, least_gap }
     }
 
-    fn validated(&self, tetrahedra: &TetMesh, set: &Settings) -> Result<Report, MeshError> {
+    fn validated_report(&self, tetrahedra: &TetMesh, set: &Settings) -> Result<Report, MeshError> {
         let [body, spine] = self.parts.each_ref().map(|p| p.surface);
         let limits = Limits { volume: set.volume_limit, distance: set.distance_limit * set.edge };
-        Ok(validate::validate(
+        Ok(validate::validate_mesh(
             tetrahedra,
             &Reference { body, spine, cavities: &self.chambers.volumes, visible: None },
             &limits,
@@ -194,24 +194,24 @@ impl<'a> Survey<'a> {
 }
 
 /// All outlines in the plan as one planar graph.
-fn outlines(parts: &[Part; 2], frame: Frame, cut: Option<usize>, tolerance: Metre) -> Graph {
-    let seams: Vec<[Point2; 2]> = parts.iter().flat_map(|p| seams(p, frame)).collect();
+fn plan_outlines(parts: &[Part; 2], frame: Frame, cut: Option<usize>, tolerance: Metre) -> Graph {
+    let seams: Vec<[Point2; 2]> = parts.iter().flat_map(|p| find_seams(p, frame)).collect();
     match cut {
-        Some(axis) => arrange(&symmetry::cut(&seams, axis, tolerance), tolerance),
-        None => arrange(&seams, tolerance),
+        Some(axis) => arrange_segments(&symmetry::cut_segments(&seams, axis, tolerance), tolerance),
+        None => arrange_segments(&seams, tolerance),
     }
 }
 
 /// Triangulates the plan, with more points under curved surfaces in each round, and fills it.
-fn build(outlines: &Graph, sampler: &Sampler, set: &Settings, half: bool) -> Result<TetMesh, MeshError> {
+fn build_tetrahedra(outlines: &Graph, sampler: &Sampler, set: &Settings, half: bool) -> Result<TetMesh, MeshError> {
     let mut extra = Vec::new();
     for round in 0.. {
-        let plane = plan(outlines, &extra, sampler, set)?;
-        let regions = sampler.regions(&plane)?;
+        let plane = triangulated_plan(outlines, &extra, sampler, set)?;
+        let regions = sampler.region_sequences(&plane)?;
         let sheets = Sheets::new(sampler.patches, &regions);
         let curved_triangles = sheets.curved_triangles(&plane, &regions, CURVATURE_LIMIT * set.edge, 0.4 * set.edge);
         if curved_triangles.is_empty() || round == REFINEMENTS {
-            return fill(&Layers { plane: &plane, regions: &regions, sheets: &sheets }, sampler, set, half);
+            return fill_columns(&Layers { plane: &plane, regions: &regions, sheets: &sheets }, sampler, set, half);
         }
         extra.extend(curved_triangles);
     }
@@ -225,9 +225,9 @@ struct Layers<'a> {
     sheets: &'a Sheets<'a>,
 }
 
-fn fill(layers: &Layers, sampler: &Sampler, set: &Settings, half: bool) -> Result<TetMesh, MeshError> {
+fn fill_columns(layers: &Layers, sampler: &Sampler, set: &Settings, half: bool) -> Result<TetMesh, MeshError> {
     let Layers { plane, regions, sheets } = *layers;
-    let columns = sheets.columns(plane, regions);
+    let columns = sheets.solid_columns(plane, regions);
     if columns.is_empty() {
         return Err(MeshError::Nothing);
     }
@@ -236,23 +236,28 @@ fn fill(layers: &Layers, sampler: &Sampler, set: &Settings, half: bool) -> Resul
         plan: &plane.points,
         columns: &columns,
         sheets: sheets.count(),
-        height: &|vertex, sheet| sheets.height(plane.points[vertex as usize], sheet),
+        height: &|vertex, sheet| sheets.sheet_height(plane.points[vertex as usize], sheet),
         edge: set.edge,
         merge: sampler.tolerance.max(MERGE_LIMIT * set.edge),
         half,
     };
-    stack::fill(&stack).map_err(|Cycle { lower, upper }| MeshError::NoCommonOrder {
-        lower: sheets.place(lower),
-        upper: sheets.place(upper),
+    stack::fill_stack(&stack).map_err(|Cycle { lower, upper }| MeshError::NoCommonOrder {
+        lower: sheets.place_of(lower),
+        upper: sheets.place_of(upper),
     })
 }
 
 /// The triangulated plan; where outlines would cross because parts are close, they are followed more closely.
-fn plan(outlines: &Graph, extra: &[Point2], sampler: &Sampler, set: &Settings) -> Result<Plane, MeshError> {
+fn triangulated_plan(
+    outlines: &Graph,
+    extra: &[Point2],
+    sampler: &Sampler,
+    set: &Settings,
+) -> Result<Plane, MeshError> {
     let mut crossing_at = [0.0; 2];
     for closer in [1.0, 0.5, 0.25, 0.1, 0.02] {
         let spacing = Spacing { edge: set.edge, chord: 0.03 * closer * set.edge, noise: 2.0 * sampler.tolerance };
-        match triangulate(&resample(outlines, &spacing), extra, set.edge) {
+        match triangulate_plan(&resample_graph(outlines, &spacing), extra, set.edge) {
             Ok(mut plane) => {
                 snap_to_outlines(&mut plane, outlines, 2.0 * spacing.chord);
                 return Ok(plane);

@@ -6,7 +6,7 @@
 use super::arrange::Graph;
 use super::plane::Plane;
 use crate::distance::Nearest;
-use crate::frame::turn;
+use crate::frame::doubled_area;
 use si::{Metre, Point2};
 
 /// Fraction of its area that a triangle must keep.
@@ -16,18 +16,19 @@ const LOSS: f64 = 0.5;
 pub(crate) fn snap_to_outlines(plane: &mut Plane, outlines: &Graph, reach: Metre) {
     let flat = |v: u32| [outlines.points[v as usize][0], outlines.points[v as usize][1], 0.0];
     let segments: Vec<_> = outlines.edges.iter().map(|&[a, b]| [flat(a), flat(b), flat(b)]).collect();
-    let near = Nearest::new(segments.clone());
-    let mut around = vec![Vec::new(); plane.points.len()];
+    let nearest_segment = Nearest::new(segments.clone());
+    let mut triangles_at = vec![Vec::new(); plane.points.len()];
     for (t, corners) in plane.triangles.iter().enumerate() {
-        corners.iter().for_each(|&v| around[v as usize].push(t));
+        corners.iter().for_each(|&v| triangles_at[v as usize].push(t));
     }
     for v in plane.chords.clone() {
-        let at = plane.points[v as usize];
-        let hit = near.find([at[0], at[1], 0.0]).filter(|hit| hit.distance > 1e-9 && hit.distance <= reach);
+        let point = plane.points[v as usize];
+        let hit =
+            nearest_segment.find([point[0], point[1], 0.0]).filter(|hit| hit.distance > 1e-9 && hit.distance <= reach);
         let Some(hit) = hit else { continue };
-        let to = [0, 1].map(|k| (0..3).map(|i| hit.shares[i] * segments[hit.face][i][k]).sum());
-        if around[v as usize].iter().all(|&t| keeps_area(plane, t, v, to)) {
-            plane.points[v as usize] = to;
+        let target = [0, 1].map(|k| (0..3).map(|i| hit.shares[i] * segments[hit.face][i][k]).sum());
+        if triangles_at[v as usize].iter().all(|&t| keeps_area(plane, t, v, target)) {
+            plane.points[v as usize] = target;
         }
     }
 }
@@ -36,7 +37,7 @@ fn keeps_area(plane: &Plane, triangle: usize, vertex: u32, to: Point2) -> bool {
     let corners = plane.triangles[triangle];
     let old = corners.map(|v| plane.points[v as usize]);
     let new = corners.map(|v| if v == vertex { to } else { plane.points[v as usize] });
-    turn(new[0], new[1], new[2]) > LOSS * turn(old[0], old[1], old[2])
+    doubled_area(new[0], new[1], new[2]) > LOSS * doubled_area(old[0], old[1], old[2])
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 
 use crate::distance::Nearest;
 use crate::frame::Frame;
-use crate::surface::{SharedEdge, components};
+use crate::surface::{SharedEdge, connected_components};
 use crate::{Shell, Surface, SurfaceError};
 use si::vec3::norm;
 use si::{Metre, Point2, Point3};
@@ -29,12 +29,12 @@ impl<'a> Part<'a> {
     }
 
     /// No sheet at all.
-    pub fn none(empty: &'a Surface) -> Self {
+    pub fn without_surface(empty: &'a Surface) -> Self {
         Self { surface: empty, shells: Vec::new(), shell_of: Vec::new(), shared_edges: Vec::new() }
     }
 
     /// Sign of the normal component along the frame's normal; 0 for a wall.
-    pub fn direction(&self, frame: Frame, face: u32) -> i8 {
+    pub fn face_direction(&self, frame: Frame, face: u32) -> i8 {
         let normal = self.surface.normal(face as usize);
         let lean = normal[frame.normal] / norm(normal).max(f64::MIN_POSITIVE);
         if lean.abs() < WALL { 0 } else { lean.signum() as i8 }
@@ -87,8 +87,8 @@ pub(crate) struct Patch {
 
 impl Patch {
     /// Height at a plan point, and the point's distance from the patch in the plan, m.
-    pub fn height(&self, at: Point2) -> (Metre, Metre) {
-        match self.flat.find([at[0], at[1], 0.0]) {
+    pub fn height_and_distance(&self, point: Point2) -> (Metre, Metre) {
+        match self.flat.find([point[0], point[1], 0.0]) {
             Some(hit) => {
                 let heights = self.heights[hit.face];
                 ((0..3).map(|k| hit.shares[k] * heights[k]).sum(), hit.distance)
@@ -98,21 +98,21 @@ impl Patch {
     }
 
     /// Height where the line through a plan point meets the patch, m.
-    pub fn crossing(&self, at: Point2) -> Option<Metre> {
-        let inside = (0..2).all(|k| at[k] >= self.low[k] && at[k] <= self.high[k]);
+    pub fn crossing_height(&self, point: Point2) -> Option<Metre> {
+        let inside = (0..2).all(|k| point[k] >= self.low[k] && point[k] <= self.high[k]);
         // a tenth of a micrometre: more than rounding, less than any feature
-        inside.then(|| self.height(at)).filter(|h| h.1 < 1e-7).map(|h| h.0)
+        inside.then(|| self.height_and_distance(point)).filter(|h| h.1 < 1e-7).map(|h| h.0)
     }
 }
 
 /// The patches of one part.
-pub(crate) fn patches(part: &Part, index: usize, frame: Frame) -> Vec<Patch> {
+pub(crate) fn find_patches(part: &Part, index: usize, frame: Frame) -> Vec<Patch> {
     let surface = part.surface;
-    let direction: Vec<i8> = (0..surface.faces.len() as u32).map(|f| part.direction(frame, f)).collect();
+    let direction: Vec<i8> = (0..surface.faces.len() as u32).map(|f| part.face_direction(frame, f)).collect();
     let joined = part.shared_edges.iter().map(|j| j.faces);
     let joined =
         joined.filter(|[a, b]| direction[*a as usize] != 0 && direction[*a as usize] == direction[*b as usize]);
-    let (of_face, count) = components(surface.faces.len(), joined);
+    let (of_face, count) = connected_components(surface.faces.len(), joined);
     let mut faces: Vec<Vec<usize>> = vec![Vec::new(); count as usize];
     (0..of_face.len()).filter(|&f| direction[f] != 0).for_each(|f| faces[of_face[f] as usize].push(f));
     let patch = |faces: &Vec<usize>| {
@@ -136,17 +136,17 @@ pub(crate) fn patches(part: &Part, index: usize, frame: Frame) -> Vec<Patch> {
 }
 
 /// Edges where patches end or have a crease, as segments of the plan.
-pub(crate) fn seams(part: &Part, frame: Frame) -> Vec<[Point2; 2]> {
+pub(crate) fn find_seams(part: &Part, frame: Frame) -> Vec<[Point2; 2]> {
     let seam = |shared: &&SharedEdge| {
-        let [a, b] = shared.faces.map(|f| part.direction(frame, f));
-        a != b || (a != 0 && creased(part.surface, shared.faces))
+        let [a, b] = shared.faces.map(|f| part.face_direction(frame, f));
+        a != b || (a != 0 && is_creased(part.surface, shared.faces))
     };
     let plan = |p: u32| frame.split(part.surface.points[p as usize]).0;
     part.shared_edges.iter().filter(seam).map(|shared| shared.edge.map(plan)).collect()
 }
 
 /// Whether two faces meet under more than 30 degrees.
-fn creased(surface: &Surface, faces: [u32; 2]) -> bool {
+fn is_creased(surface: &Surface, faces: [u32; 2]) -> bool {
     let [a, b] = faces.map(|f| surface.normal(f as usize));
     let size = norm(a) * norm(b);
     size > 0.0 && si::vec3::dot(a, b) < 0.866 * size
@@ -163,11 +163,11 @@ mod tests {
         let part = Part::new(&hollow).unwrap();
         let [frame, ..] = dominant_axes(&hollow);
         assert_eq!(frame.normal, 1);
-        let patches = patches(&part, 0, frame);
+        let patches = find_patches(&part, 0, frame);
         assert_eq!(patches.len(), 4);
-        let mut heights: Vec<_> = patches.iter().filter_map(|p| p.crossing([0.015, 0.015])).collect();
+        let mut heights: Vec<_> = patches.iter().filter_map(|p| p.crossing_height([0.015, 0.015])).collect();
         heights.sort_by(f64::total_cmp);
         assert!(heights.iter().zip([0.0, 0.002, 0.008, 0.01]).all(|(a, b)| (a - b).abs() < 1e-15), "{heights:?}");
-        assert_eq!(seams(&part, frame).len(), 16);
+        assert_eq!(find_seams(&part, frame).len(), 16);
     }
 }

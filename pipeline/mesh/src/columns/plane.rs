@@ -1,7 +1,7 @@
 //! Plane: a graph of outlines becomes a triangulated plan, and regions of it that no outline cuts.
 
 use super::arrange::Graph;
-use crate::surface::components;
+use crate::surface::connected_components;
 use si::{Metre, Point2};
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, RefinementParameters, Triangulation};
 
@@ -27,7 +27,7 @@ pub(crate) struct Plane {
 ///
 /// # Errors
 /// A point of an edge of the graph that crosses another one.
-pub(crate) fn triangulate(graph: &Graph, extra: &[Point2], edge: Metre) -> Result<Plane, Point2> {
+pub(crate) fn triangulate_plan(graph: &Graph, extra: &[Point2], edge: Metre) -> Result<Plane, Point2> {
     let mut plane = ConstrainedDelaunayTriangulation::<spade::Point2<f64>>::new();
     let mut handles = Vec::with_capacity(graph.points.len());
     for p in &graph.points {
@@ -39,7 +39,7 @@ pub(crate) fn triangulate(graph: &Graph, extra: &[Point2], edge: Metre) -> Resul
             return Err(graph.points[a as usize]);
         }
     }
-    for &p in surround(&graph.points, 2.0 * edge).iter().chain(extra) {
+    for &p in surrounding_box(&graph.points, 2.0 * edge).iter().chain(extra) {
         plane.insert(spade::Point2::new(p[0], p[1])).map_err(|_| p)?;
     }
     let area = AREA * edge * edge;
@@ -50,12 +50,12 @@ pub(crate) fn triangulate(graph: &Graph, extra: &[Point2], edge: Metre) -> Resul
             .with_min_required_area(0.01 * area)
             .with_max_additional_vertices(200_000),
     );
-    Ok(read(&plane, graph.points.len()))
+    Ok(read_plane(&plane, graph.points.len()))
 }
 
 /// Corners of a box around all points. Without it, edges of the convex hull would be almost parallel to the outline and the
 /// refinement would create slivers there.
-fn surround(points: &[Point2], margin: Metre) -> [Point2; 4] {
+fn surrounding_box(points: &[Point2], margin: Metre) -> [Point2; 4] {
     let none = (f64::INFINITY, f64::NEG_INFINITY);
     let reach = |k: usize| points.iter().fold(none, |(l, h), p| (l.min(p[k]), h.max(p[k])));
     let ((l0, h0), (l1, h1)) = (reach(0), reach(1));
@@ -63,7 +63,7 @@ fn surround(points: &[Point2], margin: Metre) -> [Point2; 4] {
     [low, [high[0], low[1]], high, [low[0], high[1]]]
 }
 
-fn read(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>, given: usize) -> Plane {
+fn read_plane(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>, given: usize) -> Plane {
     let points = plane.vertices().map(|v| [v.position().x, v.position().y]).collect();
     let triangles = plane.inner_faces().map(|f| f.vertices().map(|v| v.fix().index() as u32)).collect();
     let faces: Vec<_> = plane.inner_faces().map(|f| f.fix().index()).collect();
@@ -75,7 +75,7 @@ fn read(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>, given: usi
         let [a, b] = [e.as_directed(), e.as_directed().rev()].map(|d| d.face().as_inner());
         Some([number[a?.fix().index()], number[b?.fix().index()]])
     });
-    let (regions, region_count) = components(faces.len(), links);
+    let (regions, region_count) = connected_components(faces.len(), links);
     let added = plane.vertices().filter(|v| v.index() >= given);
     let chords = added.filter(|v| v.out_edges().any(|e| e.is_constraint_edge())).map(|v| v.index() as u32).collect();
     Plane { points, triangles, regions, region_count, chords }
@@ -84,7 +84,7 @@ fn read(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>, given: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::turn;
+    use crate::frame::doubled_area;
 
     #[test]
     fn a_square_within_a_square_makes_two_regions_without_needles() {
@@ -92,12 +92,12 @@ mod tests {
         let points: Vec<Point2> = square(1.0).into_iter().chain(square(3.0)).collect();
         let ring = |f: u32| (0..4).map(move |i| [f + i, f + (i + 1) % 4]);
         let graph = Graph { points, edges: ring(0).chain(ring(4)).collect() };
-        let plane = triangulate(&graph, &[], 0.7).unwrap();
+        let plane = triangulate_plan(&graph, &[], 0.7).unwrap();
         // the two squares and what surrounds them
         assert_eq!(plane.region_count, 3);
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| plane.points[v as usize]);
-            turn(a, b, c) / 2.0
+            doubled_area(a, b, c) / 2.0
         };
         let inner: f64 = (0..plane.triangles.len())
             .filter(|&t| {
@@ -114,6 +114,6 @@ mod tests {
     #[test]
     fn edges_that_cross_are_refused_with_a_place() {
         let points = vec![[0.0, 0.0], [2.0, 2.0], [0.0, 2.0], [2.0, 0.0]];
-        assert!(triangulate(&Graph { points, edges: vec![[0, 1], [2, 3]] }, &[], 1.0).is_err());
+        assert!(triangulate_plan(&Graph { points, edges: vec![[0, 1], [2, 3]] }, &[], 1.0).is_err());
     }
 }

@@ -14,30 +14,30 @@ pub(crate) fn is_symmetric(surface: &Surface, tolerance: Metre) -> bool {
     if sum.abs() > tolerance * surface.volume() {
         return false;
     }
-    let near = Nearest::new((0..surface.faces.len()).map(|f| surface.corners(f)).collect());
-    surface.points.iter().all(|p| near.find([p[0], p[1], -p[2]]).is_some_and(|hit| hit.distance <= tolerance))
+    let nearest_face = Nearest::new((0..surface.faces.len()).map(|f| surface.corners(f)).collect());
+    surface.points.iter().all(|p| nearest_face.find([p[0], p[1], -p[2]]).is_some_and(|hit| hit.distance <= tolerance))
 }
 
 /// Segments of the half where coordinate `axis` is not negative, and before them the cut itself.
 ///
 /// Points nearer to the cut than `near` (m) are put onto it.
-pub(crate) fn cut(segments: &[[Point2; 2]], axis: usize, near: Metre) -> Vec<[Point2; 2]> {
+pub(crate) fn cut_segments(segments: &[[Point2; 2]], axis: usize, tolerance: Metre) -> Vec<[Point2; 2]> {
     let snapped = segments.iter().map(|s| {
         s.map(|mut p| {
-            p[axis] = if p[axis].abs() <= near { 0.0 } else { p[axis] };
+            p[axis] = if p[axis].abs() <= tolerance { 0.0 } else { p[axis] };
             p
         })
     });
-    let kept: Vec<[Point2; 2]> = snapped.filter_map(|s| upper_part(s, axis)).collect();
-    let along = 1 - axis;
-    let ends = kept.iter().flatten().map(|p| p[along]);
+    let upper_segments: Vec<[Point2; 2]> = snapped.filter_map(|s| upper_part(s, axis)).collect();
+    let along_axis = 1 - axis;
+    let ends = upper_segments.iter().flatten().map(|p| p[along_axis]);
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| (l.min(e), h.max(e)));
-    let on_cut = |place: f64| {
+    let on_cut = |coordinate: f64| {
         let mut point = [0.0; 2];
-        point[along] = place;
+        point[along_axis] = coordinate;
         point
     };
-    std::iter::once([on_cut(low), on_cut(high)]).chain(kept).collect()
+    std::iter::once([on_cut(low), on_cut(high)]).chain(upper_segments).collect()
 }
 
 fn upper_part([a, b]: [Point2; 2], axis: usize) -> Option<[Point2; 2]> {
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn a_segment_across_the_cut_keeps_its_upper_part() {
-        let segments = cut(&[[[-1.0, 0.0], [1.0, 2.0]], [[-2.0, 0.0], [-1.0, 5.0]]], 0, 1e-9);
+        let segments = cut_segments(&[[[-1.0, 0.0], [1.0, 2.0]], [[-2.0, 0.0], [-1.0, 5.0]]], 0, 1e-9);
         assert_eq!(segments, [[[0.0, 1.0], [0.0, 2.0]], [[0.0, 1.0], [1.0, 2.0]]]);
     }
 }

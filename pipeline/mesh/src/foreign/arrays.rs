@@ -56,61 +56,62 @@ impl<'a> Codec<'a> {
     }
 
     /// All numbers of a `DataArray`.
-    pub fn values(&self, array: Node) -> Result<Vec<f64>, MeshFileError> {
+    pub fn array_values(&self, array: Node) -> Result<Vec<f64>, MeshFileError> {
         let text = || -> String { array.children().filter(Node::is_text).filter_map(|node| node.text()).collect() };
         match array.attribute("format") {
-            Some("binary") => self.numbers(array, &self.unpacked(&decoded(text().as_bytes())?)?),
-            Some("appended") => self.numbers(array, &self.appended(array)?),
-            _ => text().split_ascii_whitespace().map(number).collect(),
+            Some("binary") => self.parse_numbers(array, &self.unpack_bytes(&decode_base64(text().as_bytes())?)?),
+            Some("appended") => self.parse_numbers(array, &self.appended_bytes(array)?),
+            _ => text().split_ascii_whitespace().map(parse_number).collect(),
         }
     }
 
-    fn appended(&self, array: Node) -> Result<Vec<u8>, MeshFileError> {
+    fn appended_bytes(&self, array: Node) -> Result<Vec<u8>, MeshFileError> {
         let offset: Option<usize> = array.attribute("offset").and_then(|word| word.trim().parse().ok());
         let tail = self.tail.as_ref().and_then(|tail| Some((tail, tail.bytes.get(offset?..)?)));
         match tail {
-            None => Err(cut()),
-            Some((Tail { base64: false, .. }, bytes)) => self.unpacked(bytes),
-            Some((_, bytes)) => self.unpacked(&decoded(bytes)?),
+            None => Err(cut_error()),
+            Some((Tail { base64: false, .. }, bytes)) => self.unpack_bytes(bytes),
+            Some((_, bytes)) => self.unpack_bytes(&decode_base64(bytes)?),
         }
     }
 
     /// The array's own bytes from those that begin with its header.
-    fn unpacked(&self, bytes: &[u8]) -> Result<Vec<u8>, MeshFileError> {
-        let count = |place: usize| self.count(bytes, place);
+    fn unpack_bytes(&self, bytes: &[u8]) -> Result<Vec<u8>, MeshFileError> {
+        let count = |place: usize| self.header_count(bytes, place);
         let step = if self.wide_header { 8 } else { 4 };
         if !self.blocks {
             let length = count(0)?;
-            return Ok(bytes.get(step..).and_then(|rest| rest.get(..length)).ok_or_else(cut)?.to_vec());
+            return Ok(bytes.get(step..).and_then(|remaining| remaining.get(..length)).ok_or_else(cut_error)?.to_vec());
         }
         let (blocks, size, last) = (count(0)?, count(1)?, count(2)?);
-        bounded(blocks.saturating_mul(size), MAX_BYTES, "bytes")?;
-        let mut rest = blocks.checked_add(3).and_then(|n| bytes.get(n.checked_mul(step)?..)).ok_or_else(cut)?;
-        let mut all = Vec::new();
+        check_bound(blocks.saturating_mul(size), MAX_BYTES, "bytes")?;
+        let mut remaining =
+            blocks.checked_add(3).and_then(|n| bytes.get(n.checked_mul(step)?..)).ok_or_else(cut_error)?;
+        let mut unpacked = Vec::new();
         for block in 0..blocks {
-            let (packed, after) = rest.split_at_checked(count(3 + block)?).ok_or_else(cut)?;
+            let (packed, after) = remaining.split_at_checked(count(3 + block)?).ok_or_else(cut_error)?;
             // The size of the last block is given where it is not full.
             let declared = if block + 1 == blocks && last > 0 { last.min(size) } else { size };
-            inflate(packed, declared, &mut all)?;
-            rest = after;
+            inflate_block(packed, declared, &mut unpacked)?;
+            remaining = after;
         }
-        Ok(all)
+        Ok(unpacked)
     }
 
     /// The header's count at `place`.
-    fn count(&self, bytes: &[u8], place: usize) -> Result<usize, MeshFileError> {
+    fn header_count(&self, bytes: &[u8], place: usize) -> Result<usize, MeshFileError> {
         let kind = if self.wide_header { "UInt64" } else { "UInt32" };
-        let (step, read) = reader(kind, self.big).ok_or_else(cut)?;
-        let found = place.checked_mul(step).and_then(|start| bytes.get(start..start.checked_add(step)?));
-        Ok(read(found.ok_or_else(cut)?) as usize)
+        let (step, read) = number_reader(kind, self.big).ok_or_else(cut_error)?;
+        let entry = place.checked_mul(step).and_then(|start| bytes.get(start..start.checked_add(step)?));
+        Ok(read(entry.ok_or_else(cut_error)?) as usize)
     }
 
-    fn numbers(&self, array: Node, bytes: &[u8]) -> Result<Vec<f64>, MeshFileError> {
+    fn parse_numbers(&self, array: Node, bytes: &[u8]) -> Result<Vec<f64>, MeshFileError> {
         let kind = array.attribute("type").unwrap_or_default();
-        let (step, read) = reader(kind, self.big).ok_or_else(|| {
+        let (step, read) = number_reader(kind, self.big).ok_or_else(|| {
             MeshFileError::new(format!("an array is of type `{kind}`"), "VTK has no such type", AGAIN)
         })?;
-        bounded(bytes.len() / step, MAX_NUMBERS, "numbers")?;
+        check_bound(bytes.len() / step, MAX_NUMBERS, "numbers")?;
         if !bytes.len().is_multiple_of(step) {
             let why = format!("{} bytes are no whole number of `{kind}`, which has {step}", bytes.len());
             return Err(MeshFileError::new("an array ends within a number", why, AGAIN));
@@ -120,9 +121,9 @@ impl<'a> Codec<'a> {
 }
 
 /// Appends a block that must hold exactly the bytes that its header declares.
-fn inflate(packed: &[u8], declared: usize, all: &mut Vec<u8>) -> Result<(), MeshFileError> {
+fn inflate_block(packed: &[u8], declared: usize, out: &mut Vec<u8>) -> Result<(), MeshFileError> {
     // One byte more than declared is asked for, so that a block that holds more is noticed and never inflated whole.
-    let read = flate2::read::ZlibDecoder::new(packed).take(declared as u64 + 1).read_to_end(all);
+    let read = flate2::read::ZlibDecoder::new(packed).take(declared as u64 + 1).read_to_end(out);
     let length = read.map_err(|fault| {
         MeshFileError::new("a compressed block cannot be read", fault.to_string(), AGAIN).caused_by(fault)
     })?;
@@ -140,11 +141,11 @@ fn inflate(packed: &[u8], declared: usize, all: &mut Vec<u8>) -> Result<(), Mesh
 }
 
 /// Refuses an array that is larger than any mesh for which this program is made.
-fn bounded(count: usize, limit: usize, of: &str) -> Result<(), MeshFileError> {
+fn check_bound(count: usize, limit: usize, noun: &str) -> Result<(), MeshFileError> {
     match count <= limit {
         true => Ok(()),
         false => Err(MeshFileError::new(
-            format!("an array declares {count} {of}"),
+            format!("an array declares {count} {noun}"),
             format!("the limit is {limit}"),
             "save a coarser mesh",
         )),
@@ -155,7 +156,7 @@ fn bounded(count: usize, limit: usize, of: &str) -> Result<(), MeshFileError> {
 type Reader = (usize, fn(&[u8]) -> f64);
 
 /// The reader of one of VTK's types.
-fn reader(kind: &str, big: bool) -> Option<Reader> {
+fn number_reader(kind: &str, big: bool) -> Option<Reader> {
     macro_rules! of {
         ($type:ty) => {{
             const STEP: usize = size_of::<$type>();
@@ -184,28 +185,28 @@ fn reader(kind: &str, big: bool) -> Option<Reader> {
 }
 
 /// Base64 in one or more parts, each with its own padding, up to the first byte that is none.
-fn decoded(text: &[u8]) -> Result<Vec<u8>, MeshFileError> {
+fn decode_base64(text: &[u8]) -> Result<Vec<u8>, MeshFileError> {
     let is_digit = |byte: &u8| byte.is_ascii_alphanumeric() || b"+/=".contains(byte);
     // length: the array's own header says how many bytes it has, and fewer are refused
     let text: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).take_while(is_digit).collect();
-    let mut all = Vec::new();
+    let mut bytes = Vec::new();
     for quads in text.chunk_by(|a, b| *a != b'=' || *b == b'=') {
-        STANDARD.decode_vec(quads, &mut all).map_err(|fault| {
+        STANDARD.decode_vec(quads, &mut bytes).map_err(|fault| {
             let why = fault.to_string().to_lowercase();
             MeshFileError::new("an array is no base64", why, AGAIN).caused_by(fault)
         })?;
     }
-    Ok(all)
+    Ok(bytes)
 }
 
-fn number(word: &str) -> Result<f64, MeshFileError> {
+fn parse_number(word: &str) -> Result<f64, MeshFileError> {
     word.parse().map_err(|_| {
-        let what = format!("`{}` stands in an array", super::tokens::short(word));
-        MeshFileError::new(what, "it cannot be read as a number", AGAIN)
+        let message = format!("`{}` stands in an array", super::tokens::shortened(word));
+        MeshFileError::new(message, "it cannot be read as a number", AGAIN)
     })
 }
 
-fn cut() -> MeshFileError {
+fn cut_error() -> MeshFileError {
     MeshFileError::new("the file ends inside an array", "its header announces more bytes", AGAIN)
 }
 
@@ -218,7 +219,7 @@ mod tests {
         macro_rules! holds {
             ($name:literal, $value:expr) => {
                 for big in [false, true] {
-                    let (step, read) = reader($name, big).unwrap();
+                    let (step, read) = number_reader($name, big).unwrap();
                     let bytes = if big { $value.to_be_bytes().to_vec() } else { $value.to_le_bytes().to_vec() };
                     assert_eq!((step, read(&bytes)), (bytes.len(), f64::from($value)), "{} {big}", $name);
                 }
@@ -234,9 +235,9 @@ mod tests {
         holds!("UInt32", 4_000_000_000u32);
         for (name, big) in [("Int64", false), ("UInt64", true)] {
             let bytes = if big { 7u64.to_be_bytes() } else { 7u64.to_le_bytes() };
-            let (step, read) = reader(name, big).unwrap();
+            let (step, read) = number_reader(name, big).unwrap();
             assert_eq!((step, read(&bytes)), (8, 7.0));
         }
-        assert!(reader("String", false).is_none());
+        assert!(number_reader("String", false).is_none());
     }
 }

@@ -8,7 +8,7 @@ use super::raw_mesh::RawMesh;
 use crate::Skin;
 use crate::cavities::moment_and_volume;
 use crate::quadratic::EDGES;
-use crate::surface::components;
+use crate::surface::connected_components;
 use crate::tetrahedra::FACES;
 use si::vec3::{add, scale};
 use si::{Metre, Point3};
@@ -26,13 +26,13 @@ const CENTROID_TOLERANCE: f64 = 1e-4;
 ///
 /// # Errors
 /// [`MeshDefect::NonManifoldFace`] or [`MeshDefect::NonManifoldEdge`].
-pub(super) fn skin(raw: &RawMesh, half: bool, size: Metre) -> Result<Vec<Face>, MeshDefect> {
+pub(super) fn find_skin(raw: &RawMesh, half: bool, size: Metre) -> Result<Vec<Face>, MeshDefect> {
     let free = free_sides(raw)?;
-    let mut faces: Vec<Face> = free.iter().map(|side| (nodes(raw, side), Skin::Outer)).collect();
+    let mut faces: Vec<Face> = free.iter().map(|side| (side_nodes(raw, side), Skin::Outer)).collect();
     let on_plane = |face: &Face| half && face.0.iter().all(|&node| raw.nodes[node as usize][2] == 0.0);
     faces.iter_mut().filter(|face| on_plane(face)).for_each(|face| face.1 = Skin::Symmetry);
-    let shells = shells(raw, &faces, half)?;
-    let chambers = chambers(raw, &faces, &shells, size);
+    let shells = face_shells(raw, &faces, half)?;
+    let chambers = chamber_shells(raw, &faces, &shells, size);
     for (face, shell) in faces.iter_mut().zip(shells).filter(|(face, _)| face.1 == Skin::Outer) {
         if let Some(number) = chambers.iter().position(|chamber| *chamber == shell) {
             face.1 = Skin::Chamber(number as u16);
@@ -46,7 +46,7 @@ fn free_sides(raw: &RawMesh) -> Result<Vec<Side>, MeshDefect> {
     let mut sides: Vec<Side> = Vec::new();
     for element in 0..raw.len() {
         for side in 0..4 {
-            let mut corners = corners(raw, element, side);
+            let mut corners = side_corners(raw, element, side);
             corners.sort_unstable();
             sides.push((corners, element as u32, side as u8));
         }
@@ -57,32 +57,32 @@ fn free_sides(raw: &RawMesh) -> Result<Vec<Side>, MeshDefect> {
         match group {
             [one] => free.push(*one),
             [one, other] if is_even(raw, one) != is_even(raw, other) => {}
-            _ => return Err(crowded(raw, group)),
+            _ => return Err(nonmanifold_face(raw, group)),
         }
     }
     free.sort_unstable_by_key(|side| (side.1, side.2));
     Ok(free)
 }
 
-fn crowded(raw: &RawMesh, group: &[Side]) -> MeshDefect {
+fn nonmanifold_face(raw: &RawMesh, group: &[Side]) -> MeshDefect {
     let label = |side: &Side| raw.labels[side.1 as usize];
     let face = group[0].0.map(|node| raw.node_labels[node as usize]);
     MeshDefect::NonManifoldFace { face, count: group.len(), first: label(&group[0]), second: label(&group[1]) }
 }
 
-fn corners(raw: &RawMesh, element: usize, side: usize) -> [u32; 3] {
+fn side_corners(raw: &RawMesh, element: usize, side: usize) -> [u32; 3] {
     let nodes = raw.element(element);
     FACES[side].map(|place| nodes[place])
 }
 
 /// Whether the corners of a side, in its own order, are an even permutation of the rising order.
 fn is_even(raw: &RawMesh, side: &Side) -> bool {
-    let [a, b, c] = corners(raw, side.1 as usize, side.2.into());
+    let [a, b, c] = side_corners(raw, side.1 as usize, side.2.into());
     (a < b) ^ (b < c) ^ (a < c)
 }
 
 /// Corners of a side, and the middles of its edges when there are some.
-fn nodes(raw: &RawMesh, side: &Side) -> Vec<u32> {
+fn side_nodes(raw: &RawMesh, side: &Side) -> Vec<u32> {
     let nodes = raw.element(side.1 as usize);
     let [a, b, c] = FACES[usize::from(side.2)];
     let middle =
@@ -93,7 +93,7 @@ fn nodes(raw: &RawMesh, side: &Side) -> Vec<u32> {
 }
 
 /// The shell of each face; faces on the plane of a half model are shells of their own.
-fn shells(raw: &RawMesh, faces: &[Face], half: bool) -> Result<Vec<u32>, MeshDefect> {
+fn face_shells(raw: &RawMesh, faces: &[Face], half: bool) -> Result<Vec<u32>, MeshDefect> {
     let mut edges: Vec<([u32; 2], u32)> = Vec::new();
     for (number, (nodes, _)) in faces.iter().enumerate().filter(|(_, face)| face.1 == Skin::Outer) {
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
@@ -113,11 +113,11 @@ fn shells(raw: &RawMesh, faces: &[Face], half: bool) -> Result<Vec<u32>, MeshDef
             }
         }
     }
-    Ok(components(faces.len(), links.into_iter()).0)
+    Ok(connected_components(faces.len(), links.into_iter()).0)
 }
 
 /// Shells that the solid surrounds, in the order of their chamber numbers.
-fn chambers(raw: &RawMesh, faces: &[Face], shells: &[u32], size: Metre) -> Vec<u32> {
+fn chamber_shells(raw: &RawMesh, faces: &[Face], shells: &[u32], size: Metre) -> Vec<u32> {
     let count = shells.iter().max().map_or(0, |last| *last as usize + 1);
     let mut sums = vec![([0.0; 3], 0.0); count];
     for ((nodes, _), &shell) in faces.iter().zip(shells).filter(|(face, _)| face.1 == Skin::Outer) {
@@ -126,11 +126,15 @@ fn chambers(raw: &RawMesh, faces: &[Face], shells: &[u32], size: Metre) -> Vec<u
         let sum = &mut sums[shell as usize];
         *sum = (add(sum.0, moment), sum.1 + volume);
     }
-    let place = |(moment, volume): ([f64; 3], f64)| {
+    let rounded_centroid = |(moment, volume): ([f64; 3], f64)| {
         scale(moment, 1.0 / volume).map(|x| (x / (CENTROID_TOLERANCE * size)).round() as i64)
     };
-    let mut found: Vec<([i64; 3], u32)> =
-        sums.into_iter().zip(0..).filter(|(sum, _)| sum.1 > 0.0).map(|(sum, shell)| (place(sum), shell)).collect();
-    found.sort_unstable();
-    found.into_iter().map(|(_, shell)| shell).collect()
+    let mut chambers: Vec<([i64; 3], u32)> = sums
+        .into_iter()
+        .zip(0..)
+        .filter(|(sum, _)| sum.1 > 0.0)
+        .map(|(sum, shell)| (rounded_centroid(sum), shell))
+        .collect();
+    chambers.sort_unstable();
+    chambers.into_iter().map(|(_, shell)| shell).collect()
 }

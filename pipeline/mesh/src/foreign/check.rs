@@ -1,6 +1,6 @@
 //! Checks of a raw mesh: the result is a mesh with a skin, or the first defect.
 
-use super::boundary::{Face, skin};
+use super::boundary::{Face, find_skin};
 use super::defect::MeshDefect;
 use super::jacobian::volume_and_least;
 use super::raw_mesh::RawMesh;
@@ -66,23 +66,23 @@ impl RawMesh {
         self.check_repeated()?;
         let (note, numbering) = self.drop_unused();
         notes.extend(note);
-        let size = self.scale(unit)?;
-        notes.extend(self.reorient());
-        let volumes = self.volumes()?;
+        let size = self.scale_to_metres(unit)?;
+        notes.extend(self.reorient_elements());
+        let volumes = self.element_volumes()?;
         self.check_duplicates()?;
         self.check_shared_middles(4, &EDGES)?;
         self.check_coincident_nodes(size)?;
         if half {
             self.move_to_symmetry_plane(size)?;
         }
-        let faces = skin(&self, half, size)?;
+        let faces = find_skin(&self, half, size)?;
         if half && !faces.iter().any(|face| face.1 == Skin::Symmetry) {
             return Err(MeshDefect::NoSymmetryPlane);
         }
-        let (regions, numbers) = self.regions(&volumes)?;
-        notes.extend((!half && self.mirrors(&faces, size)).then(|| MIRRORS.to_owned()));
-        let surfaces = self.surfaces();
-        let solid = self.solid(numbers, faces, half);
+        let (regions, numbers) = self.number_regions(&volumes)?;
+        notes.extend((!half && self.mirrors_itself(&faces, size)).then(|| MIRRORS.to_owned()));
+        let surfaces = self.named_surfaces();
+        let solid = self.build_solid(numbers, faces, half);
         Ok(ForeignMesh { cavities: cavities(&solid), solid, regions, surfaces, numbering, notes })
     }
 
@@ -105,15 +105,15 @@ impl RawMesh {
     }
 
     /// The places of an element's nodes, m.
-    pub(super) fn places(&self, element: usize) -> Vec<Point3> {
+    pub(super) fn node_places(&self, element: usize) -> Vec<Point3> {
         self.element(element).iter().map(|&node| self.nodes[node as usize]).collect()
     }
 
     /// Volume of each element, m³.
-    fn volumes(&self) -> Result<Vec<CubicMetre>, MeshDefect> {
+    fn element_volumes(&self) -> Result<Vec<CubicMetre>, MeshDefect> {
         let mut volumes = Vec::with_capacity(self.len());
         for (index, &element) in self.labels.iter().enumerate() {
-            let places = self.places(index);
+            let places = self.node_places(index);
             let (volume, least) = volume_and_least(&places);
             let longest = EDGES.iter().map(|&[a, b]| norm(sub(places[b], places[a]))).fold(0.0, f64::max);
             let ratio = volume / longest.powi(3);
@@ -130,11 +130,11 @@ impl RawMesh {
 
     /// No two elements may have the same corners.
     fn check_duplicates(&self) -> Result<(), MeshDefect> {
-        let mut seen = HashMap::new();
+        let mut labels_by_corners = HashMap::new();
         for (index, &second) in self.labels.iter().enumerate() {
             let mut corners: Vec<u32> = self.element(index)[..4].to_vec();
             corners.sort_unstable();
-            if let Some(first) = seen.insert(corners, second) {
+            if let Some(first) = labels_by_corners.insert(corners, second) {
                 return Err(MeshDefect::DuplicateElement { first, second });
             }
         }
@@ -148,9 +148,9 @@ impl RawMesh {
         for nodes in self.corners.chunks_exact(self.each).filter(|nodes| nodes.len() > corners) {
             for (&[a, b], &middle) in edges.iter().zip(&nodes[corners..]) {
                 let edge = [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])];
-                let known = *middles.entry(edge).or_insert(middle);
-                if known != middle {
-                    let (first, second) = (label(known), label(middle));
+                let first_middle = *middles.entry(edge).or_insert(middle);
+                if first_middle != middle {
+                    let (first, second) = (label(first_middle), label(middle));
                     return Err(MeshDefect::SplitEdge { edge: edge.map(label), first, second });
                 }
             }
@@ -161,9 +161,9 @@ impl RawMesh {
     /// No two nodes may lie at the same place.
     pub(super) fn check_coincident_nodes(&self, size: Metre) -> Result<(), MeshDefect> {
         let cell = |at: &Point3| at.map(|x| (x / (SAME * size)).round() as i64);
-        let mut seen = HashMap::new();
+        let mut nodes_by_cell = HashMap::new();
         let pairs: Vec<[usize; 2]> = (0..self.nodes.len())
-            .filter_map(|node| seen.insert(cell(&self.nodes[node]), node).map(|first| [first, node]))
+            .filter_map(|node| nodes_by_cell.insert(cell(&self.nodes[node]), node).map(|first| [first, node]))
             .collect();
         match pairs.iter().min() {
             Some(pair) => {
@@ -175,7 +175,7 @@ impl RawMesh {
     }
 
     /// The regions, and the number of each element's.
-    pub(super) fn regions(&self, volumes: &[CubicMetre]) -> Result<(Vec<Region>, Vec<u16>), MeshDefect> {
+    pub(super) fn number_regions(&self, volumes: &[CubicMetre]) -> Result<(Vec<Region>, Vec<u16>), MeshDefect> {
         let tags: Vec<i64> = self.tags.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
         if tags.len() > REGIONS {
             return Err(MeshDefect::TooManyRegions { count: tags.len() });
@@ -200,7 +200,7 @@ impl RawMesh {
     }
 
     /// Whether the solid is its own mirror image about z = 0.
-    fn mirrors(&self, faces: &[Face], size: Metre) -> bool {
+    fn mirrors_itself(&self, faces: &[Face], size: Metre) -> bool {
         let mut surface = Surface::default();
         for nodes in faces.iter().map(|(nodes, _)| &nodes[..3]) {
             let first = surface.points.len() as u32;
@@ -210,7 +210,7 @@ impl RawMesh {
         is_symmetric(&surface, 1e-4 * size)
     }
 
-    fn solid(&self, regions: Vec<u16>, faces: Vec<Face>, half: bool) -> Solid {
+    fn build_solid(&self, regions: Vec<u16>, faces: Vec<Face>, half: bool) -> Solid {
         let nodes = self.nodes.clone();
         let linear = |nodes: &[u32]| [0, 1, 2].map(|k| nodes[k]);
         if self.each == 4 {

@@ -71,7 +71,7 @@ impl RawMesh {
         self.check_finite()?;
         self.check_repeated()?;
         let (note, numbering) = self.drop_unused();
-        let size = self.scale(unit)?;
+        let size = self.scale_to_metres(unit)?;
         let mut notes: Vec<String> = note.into_iter().chain(self.turn_right()).collect();
         let volumes = self.hexahedron_volumes()?;
         self.check_duplicate_hexahedra()?;
@@ -85,9 +85,9 @@ impl RawMesh {
         if half && !skin.iter().any(on_plane) {
             return Err(MeshDefect::NoSymmetryPlane);
         }
-        let (regions, numbers) = self.regions(&volumes)?;
+        let (regions, numbers) = self.number_regions(&volumes)?;
         let (skin, chambers) = self.divide_skin(skin.into_iter().filter(|face| !(half && on_plane(face))), half);
-        let walls = self.walls(&chambers, &mut notes);
+        let walls = self.chamber_walls(&chambers, &mut notes);
         let (hexahedra, middles) = self.split_elements();
         let nodes = self.nodes;
         Ok(HexahedralMesh {
@@ -115,7 +115,7 @@ impl RawMesh {
 
     /// Turns all elements over when all are left-handed.
     fn turn_right(&mut self) -> Option<String> {
-        if !(0..self.len()).all(|element| volume_and_least(&self.places(element)).0 < 0.0) {
+        if !(0..self.len()).all(|element| volume_and_least(&self.node_places(element)).0 < 0.0) {
             return None;
         }
         // length: an element has 8 nodes, or 20
@@ -132,7 +132,7 @@ impl RawMesh {
 
     fn hexahedron_volumes(&self) -> Result<Vec<CubicMetre>, MeshDefect> {
         let volume = |(index, &element): (usize, &u64)| {
-            let places = self.places(index);
+            let places = self.node_places(index);
             let (volume, least) = volume_and_least(&places);
             let longest = EDGES.iter().map(|&[a, b]| norm(sub(places[b], places[a]))).fold(0.0, f64::max);
             let ratio = volume / longest.powi(3);
@@ -145,11 +145,11 @@ impl RawMesh {
     }
 
     fn check_duplicate_hexahedra(&self) -> Result<(), MeshDefect> {
-        let mut seen = HashMap::new();
+        let mut labels_by_corners = HashMap::new();
         for (index, &second) in self.labels.iter().enumerate() {
             let mut corners: [u32; 8] = std::array::from_fn(|corner| self.element(index)[corner]);
             corners.sort_unstable();
-            if let Some(first) = seen.insert(corners, second) {
+            if let Some(first) = labels_by_corners.insert(corners, second) {
                 return Err(MeshDefect::DuplicateElement { first, second });
             }
         }
@@ -161,7 +161,7 @@ impl RawMesh {
         let mut sides: Vec<Side> = Vec::with_capacity(6 * self.len());
         for element in 0..self.len() {
             for side in 0..SIDES.len() {
-                let mut corners = self.side(element, side);
+                let mut corners = self.side_corners(element, side);
                 corners.sort_unstable();
                 sides.push((corners, element as u32, side as u8));
             }
@@ -176,18 +176,18 @@ impl RawMesh {
             }
         }
         free.sort_unstable_by_key(|side| (side.1, side.2));
-        let faces: Vec<[u32; 4]> = free.iter().map(|side| self.side(side.1 as usize, side.2.into())).collect();
+        let faces: Vec<[u32; 4]> = free.iter().map(|side| self.side_corners(side.1 as usize, side.2.into())).collect();
         self.check_closed(&faces, half).map(|()| faces)
     }
 
-    fn side(&self, element: usize, side: usize) -> [u32; 4] {
+    fn side_corners(&self, element: usize, side: usize) -> [u32; 4] {
         let nodes = self.element(element);
         SIDES[side].map(|place| nodes[place])
     }
 
     /// Whether a side goes from its lowest corner to the lower one of the two beside it.
     fn turns_forward(&self, side: &Side) -> bool {
-        let corners = self.side(side.1 as usize, side.2.into());
+        let corners = self.side_corners(side.1 as usize, side.2.into());
         let lowest = (0..4).min_by_key(|&corner| corners[corner]).unwrap_or(0);
         corners[(lowest + 1) % 4] < corners[(lowest + 3) % 4]
     }
@@ -218,28 +218,28 @@ impl RawMesh {
 /// Volume of a hexahedron, m³, and the least determinant at its corners and Gauss's points, m³.
 fn volume_and_least(places: &[Point3]) -> (CubicMetre, f64) {
     let mut volume = 0.0;
-    let mut least = f64::INFINITY;
+    let mut least_determinant = f64::INFINITY;
     for x in GAUSS {
         for y in GAUSS {
             for z in GAUSS {
-                let determinant = determinant(places, [x, y, z]);
+                let determinant = jacobian_determinant(places, [x, y, z]);
                 volume += determinant / 8.0;
-                least = least.min(determinant);
+                least_determinant = least_determinant.min(determinant);
             }
         }
     }
-    (volume, CORNERS.iter().map(|&at| determinant(places, at)).fold(least, f64::min))
+    (volume, CORNERS.iter().map(|&at| jacobian_determinant(places, at)).fold(least_determinant, f64::min))
 }
 
 /// det ∂x/∂ξ at ξ of the cube [0, 1]³.
-fn determinant(places: &[Point3], at: Point3) -> f64 {
-    let by = |axis: usize| {
+fn jacobian_determinant(places: &[Point3], point: Point3) -> f64 {
+    let derivative_by = |axis: usize| {
         CORNERS.iter().zip(places).fold([0.0; 3], |sum, (corner, place)| {
-            let along = |k: usize| if corner[k] == 1.0 { at[k] } else { 1.0 - at[k] };
+            let linear_share = |k: usize| if corner[k] == 1.0 { point[k] } else { 1.0 - point[k] };
             let sign = 2.0 * corner[axis] - 1.0;
-            let others: f64 = (0..3).filter(|&k| k != axis).map(along).product();
-            add(sum, scale(*place, sign * others))
+            let product: f64 = (0..3).filter(|&k| k != axis).map(linear_share).product();
+            add(sum, scale(*place, sign * product))
         })
     };
-    dot(cross(by(0), by(1)), by(2))
+    dot(cross(derivative_by(0), derivative_by(1)), derivative_by(2))
 }

@@ -1,8 +1,8 @@
 //! Chambers of a body of hexahedra: the closed cavities of its skin.
 
 use super::raw_mesh::RawMesh;
-use crate::cavities::{Cavity, cavity, moment_and_volume};
-use crate::surface::components;
+use crate::cavities::{Cavity, cavity_from_moment, moment_and_volume};
+use crate::surface::connected_components;
 use si::Point3;
 use si::vec3::add;
 use std::collections::HashMap;
@@ -28,26 +28,28 @@ impl RawMesh {
         half: bool,
     ) -> (Vec<[u32; 4]>, Vec<HexahedralChamber>) {
         let skin: Vec<[u32; 4]> = skin.collect();
-        let (component_of, count) = components(skin.len(), shared_edges(&skin).into_iter());
+        let (component_of, count) = connected_components(skin.len(), shared_edges(&skin).into_iter());
         let mut parts: Vec<Vec<[u32; 4]>> = vec![Vec::new(); count as usize];
         skin.into_iter().zip(component_of).for_each(|(side, part)| parts[part as usize].push(side));
         let (mut outer, mut chambers) = (Vec::new(), Vec::new());
         for sides in parts {
-            let cavity = self.enclosed(&sides, half);
+            let cavity = self.enclosed_cavity(&sides, half);
             match cavity.volume > 0.0 {
                 true => chambers.push(HexahedralChamber { cavity, sides }),
                 false => outer.extend(sides),
             }
         }
-        let along = |chamber: &HexahedralChamber, axis: usize| chamber.cavity.centroid[axis];
+        let centroid_coordinate = |chamber: &HexahedralChamber, axis: usize| chamber.cavity.centroid[axis];
         chambers.sort_by(|a, b| {
-            (0..3).fold(std::cmp::Ordering::Equal, |order, k| order.then(along(a, k).total_cmp(&along(b, k))))
+            (0..3).fold(std::cmp::Ordering::Equal, |order, k| {
+                order.then(centroid_coordinate(a, k).total_cmp(&centroid_coordinate(b, k)))
+            })
         });
         (outer, chambers)
     }
 
     /// What sides enclose on the side to which their normals point; negative for the outer skin.
-    fn enclosed(&self, sides: &[[u32; 4]], half: bool) -> Cavity {
+    fn enclosed_cavity(&self, sides: &[[u32; 4]], half: bool) -> Cavity {
         let (mut moment, mut volume, mut cut) = ([0.0; 3], 0.0, false);
         for side in sides {
             let [a, b, c, d]: [Point3; 4] = side.map(|node| self.nodes[node as usize]);
@@ -57,38 +59,38 @@ impl RawMesh {
             }
             cut |= half && [a, b, c, d].iter().any(|place| place[2] == 0.0);
         }
-        cavity(moment, volume, cut)
+        cavity_from_moment(moment, volume, cut)
     }
 
     /// Sides of chambers with the nodes between their corners; none of the first order, which a note says.
-    pub(super) fn walls(&self, chambers: &[HexahedralChamber], notes: &mut Vec<String>) -> Vec<Vec<[u32; 8]>> {
+    pub(super) fn chamber_walls(&self, chambers: &[HexahedralChamber], notes: &mut Vec<String>) -> Vec<Vec<[u32; 8]>> {
         if self.each == 8 {
             let note = "sides of 8-node hexahedra take no pressure; save the mesh with 20 nodes for that";
             notes.extend(chambers.first().map(|_| note.to_owned()));
             return Vec::new();
         }
-        let middles = self.middles();
-        let whole = |side: &[u32; 4]| {
+        let middles = self.edge_middles();
+        let eight_nodes = |side: &[u32; 4]| {
             std::array::from_fn(|k| match k {
                 0..4 => side[k],
-                _ => middles[&rising([side[k - 4], side[(k - 3) % 4]])],
+                _ => middles[&in_rising_order([side[k - 4], side[(k - 3) % 4]])],
             })
         };
-        chambers.iter().map(|chamber| chamber.sides.iter().map(whole).collect()).collect()
+        chambers.iter().map(|chamber| chamber.sides.iter().map(eight_nodes).collect()).collect()
     }
 
     /// The node between the two ends of each edge of quadratic elements, by the edge's ends in rising order.
-    fn middles(&self) -> HashMap<[u32; 2], u32> {
+    fn edge_middles(&self) -> HashMap<[u32; 2], u32> {
         let edges = (0..self.len()).flat_map(|element| {
             let nodes = self.element(element);
-            EDGES.iter().zip(&nodes[8..]).map(|(&[a, b], &middle)| (rising([nodes[a], nodes[b]]), middle))
+            EDGES.iter().zip(&nodes[8..]).map(|(&[a, b], &middle)| (in_rising_order([nodes[a], nodes[b]]), middle))
         });
         edges.collect()
     }
 }
 
 /// Two node numbers in rising order.
-fn rising([a, b]: [u32; 2]) -> [u32; 2] {
+fn in_rising_order([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
@@ -98,7 +100,7 @@ fn shared_edges(sides: &[[u32; 4]]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (number, side) in sides.iter().enumerate() {
         for k in 0..4 {
-            let shared = side_at.insert(rising([side[k], side[(k + 1) % 4]]), number as u32);
+            let shared = side_at.insert(in_rising_order([side[k], side[(k + 1) % 4]]), number as u32);
             pairs.extend(shared.map(|other| [other, number as u32]));
         }
     }

@@ -31,7 +31,7 @@ impl MeshFileError {
         Self { source: Some(Box::new(source)), ..self }
     }
 
-    pub(super) fn at(mut self, place: impl Into<String>) -> Self {
+    pub(super) fn at_place(mut self, place: impl Into<String>) -> Self {
         self.place = place.into();
         self
     }
@@ -77,8 +77,8 @@ impl RawMesh {
     }
 
     /// Adds a node.
-    pub(super) fn node(&mut self, label: u64, at: Point3) {
-        self.nodes.push(at);
+    pub(super) fn add_node(&mut self, label: u64, point: Point3) {
+        self.nodes.push(point);
         self.node_labels.push(label);
     }
 
@@ -86,16 +86,16 @@ impl RawMesh {
     ///
     /// # Errors
     /// [`MeshFileError`] when those before it have another number of nodes, or a node is not there.
-    pub(super) fn tetrahedron(&mut self, label: u64, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
+    pub(super) fn add_tetrahedron(&mut self, label: u64, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
         if self.each != 0 && self.each != nodes.len() {
-            let what = format!("element {label} has {} nodes where those before it have {}", nodes.len(), self.each);
+            let message = format!("element {label} has {} nodes where those before it have {}", nodes.len(), self.each);
             return Err(MeshFileError::new(
-                what,
+                message,
                 "a mesh has elements of one kind and order",
                 "save it with tetrahedra of 4 or of 10 nodes, or with hexahedra of 8 or of 20, alone",
             ));
         }
-        self.known(nodes, &|| format!("element {label}"))?;
+        self.check_nodes(nodes, &|| format!("element {label}"))?;
         self.each = nodes.len();
         self.corners.extend(nodes);
         self.labels.push(label);
@@ -107,19 +107,19 @@ impl RawMesh {
     ///
     /// # Errors
     /// [`MeshFileError`] when a node is not there.
-    pub(super) fn triangle(&mut self, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
-        self.known(nodes, &|| format!("triangle {} of a surface", self.triangles.len() + 1))?;
+    pub(super) fn add_triangle(&mut self, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
+        self.check_nodes(nodes, &|| format!("triangle {} of a surface", self.triangles.len() + 1))?;
         if let [a, b, c, ..] = nodes {
             self.triangles.push(([*a, *b, *c], tag));
         }
         Ok(())
     }
 
-    fn known(&self, nodes: &[u32], element: &dyn Fn() -> String) -> Result<(), MeshFileError> {
+    fn check_nodes(&self, nodes: &[u32], element: &dyn Fn() -> String) -> Result<(), MeshFileError> {
         let Some(node) = nodes.iter().find(|&&node| node as usize >= self.nodes.len()) else { return Ok(()) };
-        let what = format!("{} names the node at place {node}", element());
+        let message = format!("{} names the node at place {node}", element());
         let why = format!("the file has {} nodes, counted here from 0", self.nodes.len());
-        Err(MeshFileError::new(what, why, "save the mesh again; the file was cut or edited"))
+        Err(MeshFileError::new(message, why, "save the mesh again; the file was cut or edited"))
     }
 
     /// Number of tetrahedra.
@@ -140,9 +140,9 @@ impl RawMesh {
 
 /// The error of a solid element that is not a tetrahedron.
 pub(super) fn other_solid(name: &str) -> MeshFileError {
-    let what = format!("the file has {name}");
+    let message = format!("the file has {name}");
     MeshFileError::new(
-        what,
+        message,
         "tetrahedra of 4 or 10 nodes are simulated",
         "mesh the solid with tetrahedra of order 1 or 2",
     )
@@ -157,6 +157,6 @@ pub(super) fn hexahedron_of_gmsh(nodes: &[u32]) -> Vec<u32> {
 }
 
 /// Ten nodes in the order of this module: the file's places of corners and of the middles of 01, 12, 02, 03, 13, 23.
-pub(super) fn reordered(nodes: &[u32], places: &[usize; 10]) -> Vec<u32> {
+pub(super) fn reorder_nodes(nodes: &[u32], places: &[usize; 10]) -> Vec<u32> {
     if nodes.len() == 10 { places.iter().map(|&place| nodes[place]).collect() } else { nodes.to_vec() }
 }

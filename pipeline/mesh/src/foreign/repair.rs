@@ -30,10 +30,10 @@ impl RawMesh {
     }
 
     /// Converts coordinates to metres; returns the longest side of their box.
-    pub(super) fn scale(&mut self, unit: Metre) -> Result<Metre, MeshDefect> {
-        self.nodes.iter_mut().for_each(|at| *at = scale(*at, unit));
+    pub(super) fn scale_to_metres(&mut self, unit: Metre) -> Result<Metre, MeshDefect> {
+        self.nodes.iter_mut().for_each(|point| *point = scale(*point, unit));
         let span = |k: usize| {
-            let axis = self.nodes.iter().map(|at| at[k]);
+            let axis = self.nodes.iter().map(|point| point[k]);
             axis.clone().fold(f64::NEG_INFINITY, f64::max) - axis.fold(f64::INFINITY, f64::min)
         };
         let size = span(0).max(span(1)).max(span(2));
@@ -41,9 +41,9 @@ impl RawMesh {
     }
 
     /// Reorders the nodes of all elements when all are left-handed.
-    pub(super) fn reorient(&mut self) -> Option<String> {
-        let left = |element| volume_and_least(&self.places(element)[..4]).0 < 0.0;
-        if !(0..self.len()).all(left) {
+    pub(super) fn reorient_elements(&mut self) -> Option<String> {
+        let is_left_handed = |element| volume_and_least(&self.node_places(element)[..4]).0 < 0.0;
+        if !(0..self.len()).all(is_left_handed) {
             return None;
         }
         for nodes in self.corners.chunks_exact_mut(self.each) {

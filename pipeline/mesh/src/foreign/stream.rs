@@ -23,13 +23,13 @@ pub(super) struct Stream<'a> {
 impl Stream<'_> {
     /// Reads the integer 1, from which the byte order of a binary file follows.
     pub(crate) fn find_form(&mut self) -> Result<(), MeshFileError> {
-        let one: [u8; 4] = self.tokens.take("the mark of the byte order")?;
-        self.form = if i32::from_le_bytes(one) == 1 { Form::Little } else { Form::Big };
+        let mark: [u8; 4] = self.tokens.take_bytes("the mark of the byte order")?;
+        self.form = if i32::from_le_bytes(mark) == 1 { Form::Little } else { Form::Big };
         Ok(())
     }
 
     /// The end of a section.
-    pub fn end(&mut self, section: &str) -> Result<(), MeshFileError> {
+    pub fn end_section(&mut self, section: &str) -> Result<(), MeshFileError> {
         let expected = format!("$End{section}");
         match self.tokens.next() {
             Some(word) if word == expected.as_bytes() => Ok(()),
@@ -42,33 +42,33 @@ impl Stream<'_> {
     }
 
     /// A whole number of 4 bytes.
-    pub(crate) fn int(&mut self, what: &str) -> Result<i64, MeshFileError> {
+    pub(crate) fn read_int(&mut self, quantity: &str) -> Result<i64, MeshFileError> {
         match self.form {
-            Form::Text => self.tokens.number(what),
-            Form::Little => Ok(i32::from_le_bytes(self.tokens.take(what)?).into()),
-            Form::Big => Ok(i32::from_be_bytes(self.tokens.take(what)?).into()),
+            Form::Text => self.tokens.next_number(quantity),
+            Form::Little => Ok(i32::from_le_bytes(self.tokens.take_bytes(quantity)?).into()),
+            Form::Big => Ok(i32::from_be_bytes(self.tokens.take_bytes(quantity)?).into()),
         }
     }
 
     /// A count or a number of a node or element, of 8 bytes.
-    pub fn size(&mut self, what: &str) -> Result<u64, MeshFileError> {
+    pub fn read_size(&mut self, quantity: &str) -> Result<u64, MeshFileError> {
         match self.form {
-            Form::Text => self.tokens.number(what),
-            Form::Little => Ok(u64::from_le_bytes(self.tokens.take(what)?)),
-            Form::Big => Ok(u64::from_be_bytes(self.tokens.take(what)?)),
+            Form::Text => self.tokens.next_number(quantity),
+            Form::Little => Ok(u64::from_le_bytes(self.tokens.take_bytes(quantity)?)),
+            Form::Big => Ok(u64::from_be_bytes(self.tokens.take_bytes(quantity)?)),
         }
     }
 
-    pub fn real(&mut self, what: &str) -> Result<f64, MeshFileError> {
+    pub fn read_real(&mut self, quantity: &str) -> Result<f64, MeshFileError> {
         match self.form {
-            Form::Text => self.tokens.number(what),
-            Form::Little => Ok(f64::from_le_bytes(self.tokens.take(what)?)),
-            Form::Big => Ok(f64::from_be_bytes(self.tokens.take(what)?)),
+            Form::Text => self.tokens.next_number(quantity),
+            Form::Little => Ok(f64::from_le_bytes(self.tokens.take_bytes(quantity)?)),
+            Form::Big => Ok(f64::from_be_bytes(self.tokens.take_bytes(quantity)?)),
         }
     }
 
     /// Skips the rest of the line of a section's name, after which binary numbers begin.
-    pub fn begin(&mut self) {
+    pub fn begin_section(&mut self) {
         if self.form != Form::Text {
             self.tokens.rest_of_line();
         }

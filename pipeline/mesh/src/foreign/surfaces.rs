@@ -23,33 +23,33 @@ const FACES: [[usize; 3]; 4] = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
 impl NamedSurface {
     /// The nodes of a mesh that lie on it, mid-edge nodes among them, in rising order; `elements` have 4 or 10 nodes.
     pub fn nodes<'a>(&self, elements: impl Iterator<Item = &'a [u32]> + Clone) -> Vec<u32> {
-        let corners: Vec<u32> = corners(elements.clone()).into_iter().collect();
-        let on = |face: &[u32; 3]| {
+        let corners: Vec<u32> = corner_nodes(elements.clone()).into_iter().collect();
+        let is_on_surface = |face: &[u32; 3]| {
             let counted = face.map(|node| corners.binary_search(&node).map_or(u32::MAX, |number| number as u32));
-            self.triangles.contains(&rising(counted))
+            self.triangles.contains(&in_rising_order(counted))
         };
-        let mut found = BTreeSet::new();
+        let mut members = BTreeSet::new();
         for nodes in elements {
-            for face in FACES.into_iter().filter(|face| on(&face.map(|corner| nodes[corner]))) {
-                found.extend(face.map(|corner| nodes[corner]));
+            for face in FACES.into_iter().filter(|face| is_on_surface(&face.map(|corner| nodes[corner]))) {
+                members.extend(face.map(|corner| nodes[corner]));
                 let sides = EDGES.iter().zip(nodes.get(4..).unwrap_or_default());
                 let within = sides.filter(|(edge, _)| edge.iter().all(|end| face.contains(end)));
-                found.extend(within.map(|(_, middle)| *middle));
+                members.extend(within.map(|(_, middle)| *middle));
             }
         }
-        found.into_iter().collect()
+        members.into_iter().collect()
     }
 
     /// Its triangles by node numbers of the mesh, each in rising order; `elements` have 4 or 10 nodes.
     pub fn triangles<'a>(&self, elements: impl Iterator<Item = &'a [u32]>) -> Vec<[u32; 3]> {
-        let corners: Vec<u32> = corners(elements).into_iter().collect();
+        let corners: Vec<u32> = corner_nodes(elements).into_iter().collect();
         let by_number =
             |face: &[u32; 3]| face.map(|counted| corners.get(counted as usize).copied().unwrap_or(u32::MAX));
         self.triangles.iter().map(by_number).collect()
     }
 
     /// It as the file calls it.
-    fn word(&self) -> String {
+    fn name_in_file(&self) -> String {
         match &self.name {
             Some(name) => format!("`{name}` ({})", self.tag),
             None => self.tag.to_string(),
@@ -64,10 +64,10 @@ impl NamedSurface {
 pub fn surface<'a>(surfaces: &'a [NamedSurface], word: &str) -> Result<&'a NamedSurface, MeshFileError> {
     let called = |s: &&NamedSurface| s.name.as_deref() == Some(word) || s.tag.to_string() == word;
     surfaces.iter().find(called).ok_or_else(|| {
-        let known: Vec<String> = surfaces.iter().map(NamedSurface::word).collect();
-        let why = match known.is_empty() {
+        let names: Vec<String> = surfaces.iter().map(NamedSurface::name_in_file).collect();
+        let why = match names.is_empty() {
             true => "it names no surface; files of gmsh (.msh) and MEDIT (.mesh) can".to_owned(),
-            false => format!("its surfaces are {}", known.join(", ")),
+            false => format!("its surfaces are {}", names.join(", ")),
         };
         let action = "name one of them, or make the clamped faces a physical surface in the mesher and save again";
         MeshFileError::new(format!("the mesh has no surface `{word}`"), why, action)
@@ -76,24 +76,24 @@ pub fn surface<'a>(surfaces: &'a [NamedSurface], word: &str) -> Result<&'a Named
 
 impl RawMesh {
     /// The surfaces of the file, in rising order of their tags; triangles with a node that no tetrahedron has as a corner are none of the body's.
-    pub(super) fn surfaces(&self) -> Vec<NamedSurface> {
-        let corners: Vec<u32> = corners(self.corners.chunks_exact(self.each.max(1))).into_iter().collect();
-        let mut all: BTreeMap<i64, BTreeSet<[u32; 3]>> = BTreeMap::new();
+    pub(super) fn named_surfaces(&self) -> Vec<NamedSurface> {
+        let corners: Vec<u32> = corner_nodes(self.corners.chunks_exact(self.each.max(1))).into_iter().collect();
+        let mut triangles_by_tag: BTreeMap<i64, BTreeSet<[u32; 3]>> = BTreeMap::new();
         for (nodes, tag) in &self.triangles {
             let counted = nodes.map(|node| corners.binary_search(&node).map_or(u32::MAX, |number| number as u32));
-            let triangles = all.entry(*tag).or_default();
-            triangles.extend((!counted.contains(&u32::MAX)).then(|| rising(counted)));
+            let triangles = triangles_by_tag.entry(*tag).or_default();
+            triangles.extend((!counted.contains(&u32::MAX)).then(|| in_rising_order(counted)));
         }
         let named = |(tag, triangles)| NamedSurface { tag, name: self.surface_names.get(&tag).cloned(), triangles };
-        all.into_iter().map(named).collect()
+        triangles_by_tag.into_iter().map(named).collect()
     }
 }
 
-fn corners<'a>(elements: impl Iterator<Item = &'a [u32]>) -> BTreeSet<u32> {
+fn corner_nodes<'a>(elements: impl Iterator<Item = &'a [u32]>) -> BTreeSet<u32> {
     elements.flat_map(|nodes| &nodes[..4]).copied().collect()
 }
 
-fn rising(mut nodes: [u32; 3]) -> [u32; 3] {
+fn in_rising_order(mut nodes: [u32; 3]) -> [u32; 3] {
     nodes.sort_unstable();
     nodes
 }

@@ -32,11 +32,11 @@ impl<'a> Tokens<'a> {
                 break;
             }
         }
-        let rest = &self.bytes[self.at..];
+        let remaining = &self.bytes[self.at..];
         let ends = |byte: &u8| byte.is_ascii_whitespace() || Some(*byte) == self.comment;
-        let length = rest.iter().position(ends).unwrap_or(rest.len());
+        let length = remaining.iter().position(ends).unwrap_or(remaining.len());
         self.at += length;
-        (length > 0).then(|| &rest[..length])
+        (length > 0).then(|| &remaining[..length])
     }
 
     /// The next token, which stays unread.
@@ -45,64 +45,68 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next token; `what` is its name in errors.
-    pub fn word(&mut self, what: &str) -> Result<&'a str, MeshFileError> {
-        let word = self.next().ok_or_else(|| self.cut(what))?;
+    pub fn next_word(&mut self, quantity: &str) -> Result<&'a str, MeshFileError> {
+        let word = self.next().ok_or_else(|| self.cut_error(quantity))?;
         std::str::from_utf8(word).map_err(|_| {
-            self.error(format!("{what} is no text"), "the bytes there are no letters", "save the mesh again")
+            self.error(format!("{quantity} is no text"), "the bytes there are no letters", "save the mesh again")
         })
     }
 
     /// The next token as a number; `what` is its name in errors.
-    pub fn number<T: FromStr>(&mut self, what: &str) -> Result<T, MeshFileError> {
-        let word = self.word(what)?;
+    pub fn next_number<T: FromStr>(&mut self, quantity: &str) -> Result<T, MeshFileError> {
+        let word = self.next_word(quantity)?;
         word.parse().map_err(|_| {
             let act = "save the mesh again; the file was cut or edited";
-            self.error(format!("`{}` stands for {what}", short(word)), "it cannot be read as such a number", act)
+            self.error(
+                format!("`{}` stands for {quantity}", shortened(word)),
+                "it cannot be read as such a number",
+                act,
+            )
         })
     }
 
     /// The rest of the line, without its end, which is read too.
     pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
-        let rest = &self.bytes[self.at..];
-        let length = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
-        self.line += usize::from(length < rest.len());
-        self.at += (length + 1).min(rest.len());
-        &rest[..length]
+        let remaining = &self.bytes[self.at..];
+        let length = remaining.iter().position(|byte| *byte == b'\n').unwrap_or(remaining.len());
+        self.line += usize::from(length < remaining.len());
+        self.at += (length + 1).min(remaining.len());
+        &remaining[..length]
     }
 
     /// The next `N` bytes; `what` is their name in errors.
-    pub fn take<const N: usize>(&mut self, what: &str) -> Result<[u8; N], MeshFileError> {
-        let found = self.bytes[self.at..].first_chunk::<N>().copied().ok_or_else(|| self.cut(what))?;
+    pub fn take_bytes<const N: usize>(&mut self, quantity: &str) -> Result<[u8; N], MeshFileError> {
+        let chunk = self.bytes[self.at..].first_chunk::<N>().copied().ok_or_else(|| self.cut_error(quantity))?;
         self.at += N;
-        Ok(found)
+        Ok(chunk)
     }
 
     /// Reads everything up to `mark` and the mark itself; returns whether it was found.
     pub(crate) fn skip_to(&mut self, mark: &str) -> bool {
-        let found = self.bytes[self.at..].windows(mark.len()).position(|bytes| bytes == mark.as_bytes());
-        let length = found.map_or(self.bytes.len() - self.at, |place| place + mark.len());
+        let position = self.bytes[self.at..].windows(mark.len()).position(|bytes| bytes == mark.as_bytes());
+        let length = position.map_or(self.bytes.len() - self.at, |place| place + mark.len());
         self.line += self.bytes[self.at..self.at + length].iter().filter(|byte| **byte == b'\n').count();
         self.at += length;
-        found.is_some()
+        position.is_some()
     }
 
     /// An error at the current line.
     pub fn error(&self, what: impl Into<String>, why: impl Into<String>, act: impl Into<String>) -> MeshFileError {
-        self.place(MeshFileError::new(what, why, act))
+        self.with_line(MeshFileError::new(what, why, act))
     }
 
     /// The same error with the current line.
-    pub fn place(&self, fault: MeshFileError) -> MeshFileError {
-        fault.at(format!("{}line {}: ", self.part, self.line))
+    pub fn with_line(&self, fault: MeshFileError) -> MeshFileError {
+        fault.at_place(format!("{}line {}: ", self.part, self.line))
     }
 
-    fn cut(&self, what: &str) -> MeshFileError {
-        self.error(format!("the file ends before {what}"), "it was cut short", "save the mesh again")
+    fn cut_error(&self, quantity: &str) -> MeshFileError {
+        self.error(format!("the file ends before {quantity}"), "it was cut short", "save the mesh again")
     }
 }
 
 /// The first characters of a token, for messages.
-pub(super) fn short(word: &str) -> String {
+pub(super) fn shortened(word: &str) -> String {
     word.chars().take(24).collect()
 }
 

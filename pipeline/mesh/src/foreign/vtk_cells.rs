@@ -16,7 +16,7 @@ pub(super) const TAGS: [&str; 9] = [
 ];
 
 /// A whole number that a file has as a real one.
-pub(super) fn whole(value: f64) -> Option<usize> {
+pub(super) fn whole_number(value: f64) -> Option<usize> {
     (value >= 0.0 && value.fract() == 0.0 && value < 4e9).then_some(value as usize)
 }
 
@@ -30,12 +30,13 @@ pub(super) fn add_cell(
     let label = (raw.len() + raw.ignored) as u64;
     match (kind as u8, list.len()) {
         (10 | 71, 4) | (24 | 71, 10) | (12, 8) | (25, 20) => {
-            let nodes: Option<Vec<u32>> = list.iter().map(|&node| u32::try_from(whole(node)? + first).ok()).collect();
+            let nodes: Option<Vec<u32>> =
+                list.iter().map(|&node| u32::try_from(whole_number(node)? + first).ok()).collect();
             let nodes = nodes.ok_or_else(|| {
-                let what = format!("cell {label} names a broken node");
-                MeshFileError::new(what, "it is no count", "save the mesh again")
+                let message = format!("cell {label} names a broken node");
+                MeshFileError::new(message, "it is no count", "save the mesh again")
             })?;
-            raw.tetrahedron(label, &nodes, tag)
+            raw.add_tetrahedron(label, &nodes, tag)
         }
         // points, lines and faces of VTK, linear, quadratic and Lagrange's
         (1..=9 | 21..=23 | 28 | 30 | 34 | 36 | 68..=70, _) => {

@@ -38,11 +38,11 @@ impl<'a> Written<'a> {
             faces.push((six_nodes(face.nodes()), number));
         }
         let first = surfaces.keys().last().copied().unwrap_or(0) + 1;
-        let between = interfaces(mesh);
-        let pairs: BTreeMap<[u16; 2], i64> = between.iter().map(|(_, pair)| (*pair, 0)).collect();
+        let interfaces = interface_faces(mesh);
+        let pairs: BTreeMap<[u16; 2], i64> = interfaces.iter().map(|(_, pair)| (*pair, 0)).collect();
         let pairs: BTreeMap<[u16; 2], i64> = pairs.into_keys().zip(first..).collect();
         surfaces.extend(pairs.iter().map(|([a, b], number)| (*number, format!("interface_{a}_{b}"))));
-        faces.extend(between.into_iter().map(|(face, pair)| (face, pairs[&pair])));
+        faces.extend(interfaces.into_iter().map(|(face, pair)| (face, pairs[&pair])));
         Some(Self { nodes: &mesh.nodes, tets, regions: &mesh.regions, faces, surfaces })
     }
 }
@@ -60,7 +60,7 @@ fn six_nodes(nodes: &[u32]) -> [u32; 6] {
 }
 
 /// Faces between unlike regions, once each, with the regions in rising order.
-fn interfaces(mesh: &QuadraticMesh) -> Vec<([u32; 6], [u16; 2])> {
+fn interface_faces(mesh: &QuadraticMesh) -> Vec<([u32; 6], [u16; 2])> {
     let mut sides = Vec::new();
     // length: a mesh has a region for every element
     for (element, region) in mesh.regions.iter().enumerate() {
@@ -71,8 +71,8 @@ fn interfaces(mesh: &QuadraticMesh) -> Vec<([u32; 6], [u16; 2])> {
         }
     }
     sides.sort_unstable();
-    let between = sides.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2 && pair[0].1 != pair[1].1);
-    between.map(|pair| (pair[0].2, [pair[0].1, pair[1].1])).collect()
+    let pairs = sides.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2 && pair[0].1 != pair[1].1);
+    pairs.map(|pair| (pair[0].2, [pair[0].1, pair[1].1])).collect()
 }
 
 /// A mesh as gmsh's `.msh` 2.2; none of hexahedra. `regions` are the names of its regions, whose tags are counted from 1.
@@ -92,12 +92,12 @@ pub fn write_gmsh(mesh: &QuadraticMesh, regions: &[String]) -> Option<String> {
     }
     let _ = writeln!(text, "$EndNodes\n$Elements\n{}", written.faces.len() + written.tets.len());
     for (label, (nodes, number)) in written.faces.iter().enumerate() {
-        let _ = writeln!(text, "{} {TRIANGLE} 2 {number} {number}{}", label + 1, row(nodes));
+        let _ = writeln!(text, "{} {TRIANGLE} 2 {number} {number}{}", label + 1, node_row(nodes));
     }
     // length: a mesh has a region for every element
     for (label, (nodes, region)) in written.tets.iter().zip(written.regions).enumerate() {
         let (label, region) = (label + written.faces.len() + 1, region + 1);
-        let _ = writeln!(text, "{label} {TETRAHEDRON} 2 {region} {region}{}", row(&GMSH_ORDER.map(|k| nodes[k])));
+        let _ = writeln!(text, "{label} {TETRAHEDRON} 2 {region} {region}{}", node_row(&GMSH_ORDER.map(|k| nodes[k])));
     }
     text += "$EndElements\n";
     Some(text)
@@ -112,19 +112,19 @@ pub fn write_medit(mesh: &QuadraticMesh) -> Option<String> {
     }
     let _ = writeln!(text, "TrianglesP2\n{}", written.faces.len());
     for (nodes, number) in &written.faces {
-        let _ = writeln!(text, "{} {number}", row(nodes).trim_start());
+        let _ = writeln!(text, "{} {number}", node_row(nodes).trim_start());
     }
     let _ = writeln!(text, "TetrahedraP2\n{}", written.tets.len());
     // length: a mesh has a region for every element
     for (nodes, region) in written.tets.iter().zip(written.regions) {
-        let _ = writeln!(text, "{} {}", row(nodes).trim_start(), region + 1);
+        let _ = writeln!(text, "{} {}", node_row(nodes).trim_start(), region + 1);
     }
     text += "End\n";
     Some(text)
 }
 
 /// Nodes counted from 1, each after a space.
-fn row(nodes: &[u32]) -> String {
+fn node_row(nodes: &[u32]) -> String {
     nodes.iter().map(|n| format!(" {}", n + 1)).collect()
 }
 

@@ -1,8 +1,8 @@
 //! Filling: every column becomes a sequence of tetrahedra.
 
-use super::lines::{Node, lines};
+use super::lines::{Node, stack_lines};
 use super::ranks::Cycle;
-use super::skin::{Cell, skin};
+use super::skin::{Cell, find_skin};
 use super::{Column, Fill, Stack};
 use crate::TetMesh;
 
@@ -13,8 +13,8 @@ type LineNode = (u32, u32);
 ///
 /// # Errors
 /// [`Cycle`] when a sheet lies below another in one place and above it in another.
-pub fn fill(stack: &Stack) -> Result<TetMesh, Cycle> {
-    let (lines, ranks) = lines(stack)?;
+pub fn fill_stack(stack: &Stack) -> Result<TetMesh, Cycle> {
+    let (lines, ranks) = stack_lines(stack)?;
     let starts: Vec<u32> = lines
         .iter()
         .scan(0, |sum, line| {
@@ -28,7 +28,7 @@ pub fn fill(stack: &Stack) -> Result<TetMesh, Cycle> {
             cells.push(Cell { nodes: nodes_of_cell.map(|(v, i)| starts[v as usize] + i), fill: what });
         });
     }
-    Ok(compact(stack, &lines, &cells))
+    Ok(compact_mesh(stack, &lines, &cells))
 }
 
 /// Visits the tetrahedra of one column from below; the first three nodes are counterclockwise, the fourth is above one of them.
@@ -36,20 +36,20 @@ fn fill_column(column: &Column, lines: &[Vec<Node>], ranks: &[f64], mut visit: i
     let Some((&bottom, &top)) = column.sheets.first().zip(column.sheets.last()) else { return };
     let (bottom, top) = (ranks[bottom as usize], ranks[top as usize]);
     let line = |k: usize| &lines[column.corners[k] as usize];
-    let mut at = [0, 1, 2].map(|k| line(k).partition_point(|n| n.key <= bottom) as u32 - 1);
+    let mut positions = [0, 1, 2].map(|k| line(k).partition_point(|n| n.key <= bottom) as u32 - 1);
     loop {
-        let next = |k: usize| line(k).get(at[k] as usize + 1).map(|n| (n.key, column.corners[k], k));
+        let next = |k: usize| line(k).get(positions[k] as usize + 1).map(|n| (n.key, column.corners[k], k));
         let steps = (0..3).filter_map(next).filter(|n| n.0 <= top);
         let Some((key, vertex, k)) = steps.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))) else { break };
-        let [a, b, c] = [0, 1, 2].map(|i| (column.corners[i], at[i]));
-        let between = column.sheets.partition_point(|&s| ranks[s as usize] < key) - 1;
-        visit([a, b, c, (vertex, at[k] + 1)], column.fills[between]);
-        at[k] += 1;
+        let [a, b, c] = [0, 1, 2].map(|i| (column.corners[i], positions[i]));
+        let layer = column.sheets.partition_point(|&s| ranks[s as usize] < key) - 1;
+        visit([a, b, c, (vertex, positions[k] + 1)], column.fills[layer]);
+        positions[k] += 1;
     }
 }
 
 /// Keeps the solid cells and the nodes that they use.
-fn compact(stack: &Stack, lines: &[Vec<Node>], cells: &[Cell]) -> TetMesh {
+fn compact_mesh(stack: &Stack, lines: &[Vec<Node>], cells: &[Cell]) -> TetMesh {
     let places = lines.iter().zip(stack.plan);
     let places: Vec<_> = places.flat_map(|(l, &p)| l.iter().map(move |n| stack.frame.join(p, n.height))).collect();
     let mut used = vec![false; places.len()];
@@ -61,7 +61,7 @@ fn compact(stack: &Stack, lines: &[Vec<Node>], cells: &[Cell]) -> TetMesh {
         number[n] = nodes.len() as u32;
         nodes.push(*at);
     }
-    let mut skin = skin(cells, &places, stack.half);
+    let mut skin = find_skin(cells, &places, stack.half);
     skin.iter_mut().for_each(|face| face.nodes = face.nodes.map(|n| number[n as usize]));
     let mut mesh = TetMesh { nodes, tets: Vec::new(), regions: Vec::new(), skin, half: stack.half };
     for cell in cells {
@@ -84,11 +84,11 @@ mod tests {
         let (plan, columns) = square_plan(vec![0, 1], vec![Fill::Region(0)]);
         let height = |v: u32, s: u32| if s == 0 { 0.0 } else { 1.0 + 0.5 * f64::from(v % 3) };
         let stack = slanted_block(&plan, &columns, 2, &height);
-        let mesh = fill(&stack).unwrap();
+        let mesh = fill_stack(&stack).unwrap();
         let prism = |c: &Column| {
             let [a, b, d] = c.corners.map(|v| plan[v as usize]);
             let mean = c.corners.iter().map(|&v| height(v, 1)).sum::<f64>() / 3.0;
-            crate::frame::turn(a, b, d) / 2.0 * mean
+            crate::frame::doubled_area(a, b, d) / 2.0 * mean
         };
         let expected: f64 = columns.iter().map(prism).sum();
         assert!((mesh.region_volume(0) - expected).abs() < 1e-12);
@@ -99,7 +99,7 @@ mod tests {
     fn a_layer_that_vanishes_on_some_lines_collapses_there() {
         let (plan, columns) = square_plan(vec![0, 1, 2], vec![Fill::Region(0), Fill::Region(1)]);
         let height = |v: u32, s: u32| if s == 2 && v != 0 { 1.0 } else { f64::from(s) };
-        let mesh = fill(&slanted_block(&plan, &columns, 3, &height)).unwrap();
+        let mesh = fill_stack(&slanted_block(&plan, &columns, 3, &height)).unwrap();
         assert!((mesh.region_volume(0) - 9.0).abs() < 1e-12);
         assert!((0..mesh.tets.len()).all(|t| mesh.volume(t) > 0.0));
         assert!(mesh.region_volume(1) > 0.0);
@@ -110,7 +110,7 @@ mod tests {
         let (plan, columns) = square_plan(vec![0, 1], vec![Fill::Region(0)]);
         for normal in 0..3 {
             let stack = Stack { frame: Frame { normal }, ..slanted_block(&plan, &columns, 2, &|_, s| f64::from(s)) };
-            assert!((fill(&stack).unwrap().region_volume(0) - 9.0).abs() < 1e-12);
+            assert!((fill_stack(&stack).unwrap().region_volume(0) - 9.0).abs() < 1e-12);
         }
     }
 }

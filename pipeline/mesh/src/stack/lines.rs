@@ -24,28 +24,28 @@ struct Level {
 ///
 /// # Errors
 /// [`Cycle`] when the sheets have no common order.
-pub(crate) fn lines(stack: &Stack) -> Result<(Vec<Vec<Node>>, Vec<f64>), Cycle> {
-    let around = columns_around(stack);
-    let levels: Vec<_> = (0..stack.plan.len()).map(|v| levels(stack, v as u32, &around[v])).collect();
-    let ranks = order(stack, &levels).ranks(stack.sheets, stack.merge.max(1e-6))?;
-    let lines = levels.iter().zip(&around).map(|(levels, around)| {
-        let knots: Vec<_> = levels.iter().map(|level| knot(level, &ranks)).collect();
-        subdivide(stack, &knots, around, &ranks)
+pub(crate) fn stack_lines(stack: &Stack) -> Result<(Vec<Vec<Node>>, Vec<f64>), Cycle> {
+    let columns = columns_around(stack);
+    let levels: Vec<_> = (0..stack.plan.len()).map(|v| vertex_levels(stack, v as u32, &columns[v])).collect();
+    let ranks = sheet_order(stack, &levels).sheet_ranks(stack.sheets, stack.merge.max(1e-6))?;
+    let lines = levels.iter().zip(&columns).map(|(levels, columns)| {
+        let knots: Vec<_> = levels.iter().map(|level| level_knot(level, &ranks)).collect();
+        subdivide_line(stack, &knots, columns, &ranks)
     });
     Ok((lines.collect(), ranks))
 }
 
 fn columns_around(stack: &Stack) -> Vec<Vec<u32>> {
-    let mut around = vec![Vec::new(); stack.plan.len()];
+    let mut columns = vec![Vec::new(); stack.plan.len()];
     for (c, column) in stack.columns.iter().enumerate() {
-        column.corners.iter().for_each(|&v| around[v as usize].push(c as u32));
+        column.corners.iter().for_each(|&v| columns[v as usize].push(c as u32));
     }
-    around
+    columns
 }
 
 /// The sheets of all columns around one vertex, those nearer than `merge` joined.
-fn levels(stack: &Stack, vertex: u32, around: &[u32]) -> Vec<Level> {
-    let mut sheets: Vec<u32> = around.iter().flat_map(|&c| stack.columns[c as usize].sheets.iter().copied()).collect();
+fn vertex_levels(stack: &Stack, vertex: u32, columns: &[u32]) -> Vec<Level> {
+    let mut sheets: Vec<u32> = columns.iter().flat_map(|&c| stack.columns[c as usize].sheets.iter().copied()).collect();
     sheets.sort_unstable();
     sheets.dedup();
     let mut heights: Vec<(Metre, u32)> = sheets.into_iter().map(|s| ((stack.height)(vertex, s), s)).collect();
@@ -60,16 +60,16 @@ fn levels(stack: &Stack, vertex: u32, around: &[u32]) -> Vec<Level> {
     levels
 }
 
-fn order(stack: &Stack, levels: &[Vec<Level>]) -> Order {
+fn sheet_order(stack: &Stack, levels: &[Vec<Level>]) -> Order {
     let mut order = Order::default();
     for column in stack.columns {
-        column.sheets.windows(2).for_each(|w| order.note(w[0], w[1]));
+        column.sheets.windows(2).for_each(|w| order.note_below(w[0], w[1]));
     }
     for line in levels {
         for (i, level) in line.iter().enumerate() {
             level.sheets.iter().for_each(|&s| order.note_height(s, level.height));
             let above = line.get(i + 1).map_or(&[][..], |l| &l.sheets);
-            level.sheets.iter().for_each(|&s| above.iter().for_each(|&t| order.note(s, t)));
+            level.sheets.iter().for_each(|&s| above.iter().for_each(|&t| order.note_below(s, t)));
         }
     }
     order
@@ -78,19 +78,23 @@ fn order(stack: &Stack, levels: &[Vec<Level>]) -> Order {
 /// Height, lowest and highest rank of a level.
 type Knot = (Metre, f64, f64);
 
-fn knot(level: &Level, ranks: &[f64]) -> Knot {
-    let of = level.sheets.iter().map(|&s| ranks[s as usize]);
-    (level.height, of.clone().fold(f64::INFINITY, f64::min), of.fold(f64::NEG_INFINITY, f64::max))
+fn level_knot(level: &Level, ranks: &[f64]) -> Knot {
+    let ranks_of_level = level.sheets.iter().map(|&s| ranks[s as usize]);
+    (
+        level.height,
+        ranks_of_level.clone().fold(f64::INFINITY, f64::min),
+        ranks_of_level.fold(f64::NEG_INFINITY, f64::max),
+    )
 }
 
 /// Nodes at the knots and, where some column is solid, between them.
-fn subdivide(stack: &Stack, knots: &[Knot], around: &[u32], ranks: &[f64]) -> Vec<Node> {
+fn subdivide_line(stack: &Stack, knots: &[Knot], columns: &[u32], ranks: &[f64]) -> Vec<Node> {
     let mut nodes = Vec::new();
     for (i, &(height, key, top)) in knots.iter().enumerate() {
         nodes.push(Node { height, key });
         let Some(&(next, next_key, _)) = knots.get(i + 1) else { break };
         let middle = (top + next_key) / 2.0;
-        let solid = around.iter().any(|&c| is_solid_at(&stack.columns[c as usize], middle, ranks));
+        let solid = columns.iter().any(|&c| is_solid_at(&stack.columns[c as usize], middle, ranks));
         let pieces = if solid { ((next - height) / stack.edge + TALL).round().max(1.0) as usize } else { 1 };
         nodes.extend((1..pieces).map(|p| {
             let part = p as f64 / pieces as f64;

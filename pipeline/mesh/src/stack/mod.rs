@@ -15,7 +15,7 @@ mod lines;
 mod ranks;
 mod skin;
 
-pub use fill::fill;
+pub use fill::fill_stack;
 pub use ranks::Cycle;
 pub(crate) use ranks::Order;
 
@@ -98,7 +98,7 @@ pub(crate) mod tests {
             }
         }
         let height = |v: u32, s: u32| f64::from(s) + if s == 3 { 0.3 * f64::from(v % 4) } else { 0.0 };
-        let mesh = fill(&slanted_block(&plan, &columns, 4, &height)).unwrap();
+        let mesh = fill_stack(&slanted_block(&plan, &columns, 4, &height)).unwrap();
         assert_eq!(mesh.nonconformity(), None);
         assert!((mesh.chamber_volume(0) - 1.0).abs() < 1e-12);
         assert!(mesh.skin.iter().any(|f| f.on == Skin::Chamber(0)) && mesh.chambers() == 1);

@@ -20,7 +20,7 @@ pub(crate) struct Order {
 
 impl Order {
     /// Notes that `lower` lies below `upper`.
-    pub fn note(&mut self, lower: u32, upper: u32) {
+    pub fn note_below(&mut self, lower: u32, upper: u32) {
         self.below.insert((lower, upper));
     }
 
@@ -31,7 +31,7 @@ impl Order {
         *count += 1;
     }
 
-    fn mean(&self, sheet: u32) -> f64 {
+    fn mean_height(&self, sheet: u32) -> f64 {
         self.heights.get(&sheet).map_or(f64::NEG_INFINITY, |(sum, count)| sum / *count as f64)
     }
 
@@ -42,27 +42,27 @@ impl Order {
     ///
     /// # Errors
     /// [`Cycle`] when no order exists.
-    pub fn ranks(&self, sheets: usize, gap: f64) -> Result<Vec<f64>, Cycle> {
+    pub fn sheet_ranks(&self, sheets: usize, gap: f64) -> Result<Vec<f64>, Cycle> {
         let mut waiting = vec![0usize; sheets];
         self.below.iter().for_each(|&(_, upper)| waiting[upper as usize] += 1);
-        let mut ranks: Vec<f64> = (0..sheets as u32).map(|s| self.mean(s)).collect();
+        let mut ranks: Vec<f64> = (0..sheets as u32).map(|s| self.mean_height(s)).collect();
         let mut ready: Vec<u32> = (0..sheets as u32).filter(|&s| waiting[s as usize] == 0).collect();
         let mut done = 0;
         while let Some(lower) = ready.pop() {
             done += 1;
             for &(_, upper) in self.below.range((lower, 0)..=(lower, u32::MAX)) {
-                let up = upper as usize;
-                ranks[up] = ranks[up].max(ranks[lower as usize] + gap);
-                waiting[up] -= 1;
-                if waiting[up] == 0 {
+                let upper_index = upper as usize;
+                ranks[upper_index] = ranks[upper_index].max(ranks[lower as usize] + gap);
+                waiting[upper_index] -= 1;
+                if waiting[upper_index] == 0 {
                     ready.push(upper);
                 }
             }
         }
-        if done == sheets { Ok(ranks) } else { Err(self.contradiction(&waiting)) }
+        if done == sheets { Ok(ranks) } else { Err(self.find_cycle(&waiting)) }
     }
 
-    fn contradiction(&self, waiting: &[usize]) -> Cycle {
+    fn find_cycle(&self, waiting: &[usize]) -> Cycle {
         let stuck = |&&(a, b): &&(u32, u32)| waiting[a as usize] > 0 && waiting[b as usize] > 0;
         let both_ways = |&&(a, b): &&(u32, u32)| self.below.contains(&(b, a));
         let mut pairs = self.below.iter().filter(stuck);
@@ -80,16 +80,16 @@ mod tests {
     fn ranks_follow_mean_heights_where_the_order_allows_it() {
         let mut order = Order::default();
         [(0, 1.0), (1, 5.0), (2, 3.0)].iter().for_each(|&(s, h)| order.note_height(s, h));
-        order.note(0, 1);
-        order.note(1, 2);
-        assert_eq!(order.ranks(3, 0.5), Ok(vec![1.0, 5.0, 5.5]));
+        order.note_below(0, 1);
+        order.note_below(1, 2);
+        assert_eq!(order.sheet_ranks(3, 0.5), Ok(vec![1.0, 5.0, 5.5]));
     }
 
     #[test]
     fn sheets_that_lie_below_each_other_are_refused() {
         let mut order = Order::default();
-        order.note(0, 1);
-        order.note(1, 0);
-        assert_eq!(order.ranks(2, 0.1), Err(Cycle { lower: 0, upper: 1 }));
+        order.note_below(0, 1);
+        order.note_below(1, 0);
+        assert_eq!(order.sheet_ranks(2, 0.1), Err(Cycle { lower: 0, upper: 1 }));
     }
 }

@@ -14,7 +14,7 @@ pub(crate) struct Cell {
 /// Sorted corners of a face, then its cell and its place there.
 type Side = ([u32; 3], u32, u8);
 
-fn sides(cells: &[Cell]) -> Vec<Side> {
+fn all_sides(cells: &[Cell]) -> Vec<Side> {
     let mut sides = Vec::with_capacity(4 * cells.len());
     for (c, cell) in cells.iter().enumerate() {
         for (f, face) in FACES.iter().enumerate() {
@@ -28,29 +28,29 @@ fn sides(cells: &[Cell]) -> Vec<Side> {
 }
 
 /// Faces with a solid on one side only, in the order of their cells.
-pub(crate) fn skin(cells: &[Cell], places: &[Point3], half: bool) -> Vec<SkinFace> {
-    let sides = sides(cells);
-    let mut found = Vec::new();
+pub(crate) fn find_skin(cells: &[Cell], places: &[Point3], half: bool) -> Vec<SkinFace> {
+    let sides = all_sides(cells);
+    let mut sides_of_skin = Vec::new();
     for pair in sides.chunk_by(|a, b| a.0 == b.0) {
-        let solids: Vec<&Side> = pair.iter().filter(|s| solid(cells, s)).collect();
+        let solids: Vec<&Side> = pair.iter().filter(|s| is_solid(cells, s)).collect();
         let [side] = solids[..] else { continue };
-        let other = pair.iter().find(|s| !solid(cells, s)).map(|s| cells[s.1 as usize].fill);
+        let opposite_fill = pair.iter().find(|s| !is_solid(cells, s)).map(|s| cells[s.1 as usize].fill);
         let cut = half && side.0.iter().all(|&n| places[n as usize][2] == 0.0);
-        let on = match other {
+        let skin_kind = match opposite_fill {
             Some(Fill::Chamber(k)) => Skin::Chamber(k),
             None if cut => Skin::Symmetry,
             _ => Skin::Outer,
         };
-        found.push((side.1, side.2, on));
+        sides_of_skin.push((side.1, side.2, skin_kind));
     }
-    found.sort_unstable();
-    let face = |&(cell, side, on): &(u32, u8, Skin)| {
+    sides_of_skin.sort_unstable();
+    let face = |&(cell, side, skin_kind): &(u32, u8, Skin)| {
         let nodes = FACES[side as usize].map(|i| cells[cell as usize].nodes[i]);
-        SkinFace { nodes, on }
+        SkinFace { nodes, on: skin_kind }
     };
-    found.iter().map(face).collect()
+    sides_of_skin.iter().map(face).collect()
 }
 
-fn solid(cells: &[Cell], side: &Side) -> bool {
+fn is_solid(cells: &[Cell], side: &Side) -> bool {
     matches!(cells[side.1 as usize].fill, Fill::Region(_))
 }

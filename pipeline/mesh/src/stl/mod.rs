@@ -56,7 +56,7 @@ pub enum StlError {
 /// # Errors
 /// [`StlError`] when the bytes are no STL, hold no solid, or the solid's size is implausible.
 pub fn read(bytes: &[u8], unit: Metre) -> Result<Surface, StlError> {
-    let (places, faces) = triangles::indexed(&triangles::triangles(bytes)?);
+    let (places, faces) = triangles::index_places(&triangles::read_triangles(bytes)?);
     let points: Vec<Point3> = places.into_iter().map(|place| place.map(|c| f64::from(c) * unit)).collect();
     let bad = points.iter().flatten().filter(|c| !c.is_finite()).count();
     if faces.len() < 4 || bad > 0 {
@@ -64,7 +64,7 @@ pub fn read(bytes: &[u8], unit: Metre) -> Result<Surface, StlError> {
     }
     let raw = Surface { points, faces };
     check_length(raw.length(), unit)?;
-    Ok(weld(&raw))
+    Ok(weld_points(&raw))
 }
 
 fn check_length(length: Metre, unit: Metre) -> Result<(), StlError> {
@@ -77,21 +77,22 @@ fn check_length(length: Metre, unit: Metre) -> Result<(), StlError> {
 }
 
 /// Joins corners that lie within [`WELD`] of each other; the first one stays.
-fn weld(raw: &Surface) -> Surface {
-    let near = WELD * raw.length();
+fn weld_points(raw: &Surface) -> Surface {
+    let tolerance = WELD * raw.length();
     let mut cells: HashMap<[i64; 3], u32> = HashMap::new();
     let mut points = Vec::new();
     let mut merged = Vec::with_capacity(raw.points.len());
     for p in &raw.points {
         // a cell is two radii wide, and a point also claims the cells that its radius reaches
         let reach = |sx: f64, sy: f64, sz: f64| {
-            [p[0] + sx * near, p[1] + sy * near, p[2] + sz * near].map(|c| (c / (2.0 * near)).floor() as i64)
+            [p[0] + sx * tolerance, p[1] + sy * tolerance, p[2] + sz * tolerance]
+                .map(|c| (c / (2.0 * tolerance)).floor() as i64)
         };
         let signs = (0..8).map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 1 { 0.5 } else { -0.5 }));
         let claims: Vec<_> = signs.map(|[x, y, z]| reach(x, y, z)).collect();
-        let known = claims.iter().find_map(|c| cells.get(c).copied());
-        let index = known.unwrap_or(points.len() as u32);
-        if known.is_none() {
+        let existing = claims.iter().find_map(|c| cells.get(c).copied());
+        let index = existing.unwrap_or(points.len() as u32);
+        if existing.is_none() {
             points.push(*p);
         }
         claims.into_iter().for_each(|c| {

@@ -29,7 +29,7 @@ const TRIANGLE: usize = 50;
 ///
 /// # Errors
 /// [`StlSyntax`] at the first word that does not belong there.
-pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<Triangle>, StlSyntax> {
+pub(super) fn read_triangles(bytes: &[u8]) -> Result<Vec<Triangle>, StlSyntax> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let count = bytes.get(80..HEAD).and_then(|count| count.first_chunk().copied()).map(u32::from_le_bytes);
     let length = count.and_then(|count| (count as usize).checked_mul(TRIANGLE)?.checked_add(HEAD));
@@ -37,9 +37,9 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<Triangle>, StlSyntax> {
     match length {
         Some(length) if length == bytes.len() || length < bytes.len() && !is_text(text) => {
             // length: the head announces whole triangles
-            Ok(bytes[HEAD..length].chunks_exact(TRIANGLE).map(triangle).collect())
+            Ok(bytes[HEAD..length].chunks_exact(TRIANGLE).map(read_triangle).collect())
         }
-        _ if is_text(text) => Text::new(text).triangles(),
+        _ if is_text(text) => Text::new(text).read_facets(),
         _ => Err(binary_length(bytes.len(), length)),
     }
 }
@@ -54,10 +54,10 @@ fn is_text(text: &[u8]) -> bool {
     word.eq_ignore_ascii_case(b"solid")
 }
 
-fn triangle(bytes: &[u8]) -> Triangle {
+fn read_triangle(bytes: &[u8]) -> Triangle {
     let number = |k: usize| {
-        let at = 12 + 4 * k;
-        bytes[at..].first_chunk().map_or(f32::NAN, |four| f32::from_le_bytes(*four))
+        let offset = 12 + 4 * k;
+        bytes[offset..].first_chunk().map_or(f32::NAN, |four| f32::from_le_bytes(*four))
     };
     [0, 1, 2].map(|corner| [0, 1, 2].map(|axis| number(3 * corner + axis)))
 }
@@ -73,56 +73,56 @@ impl<'a> Text<'a> {
         Self { rest, line: 1 }
     }
 
-    fn triangles(&mut self) -> Result<Vec<Triangle>, StlSyntax> {
-        let mut all = Vec::new();
-        while let Some(word) = self.word() {
+    fn read_facets(&mut self) -> Result<Vec<Triangle>, StlSyntax> {
+        let mut facets = Vec::new();
+        while let Some(word) = self.next_word() {
             match word.to_ascii_lowercase().as_slice() {
                 // the rest of the line is the solid's name
                 b"solid" | b"endsolid" => self.skip_line(),
-                b"facet" => all.push(self.facet()?),
-                _ => return Err(self.wrong(Some(word), "`facet`, `solid` or `endsolid`")),
+                b"facet" => facets.push(self.read_facet()?),
+                _ => return Err(self.syntax_error(Some(word), "`facet`, `solid` or `endsolid`")),
             }
         }
-        Ok(all)
+        Ok(facets)
     }
 
-    fn facet(&mut self) -> Result<Triangle, StlSyntax> {
-        self.expect(b"normal", "`normal`")?;
+    fn read_facet(&mut self) -> Result<Triangle, StlSyntax> {
+        self.expect_keyword(b"normal", "`normal`")?;
         for _ in 0..3 {
-            self.word();
+            self.next_word();
         }
-        self.expect(b"outer", "`outer`")?;
-        self.expect(b"loop", "`loop`")?;
-        let triangle = [self.vertex()?, self.vertex()?, self.vertex()?];
-        self.expect(b"endloop", "`endloop` after three corners")?;
-        self.expect(b"endfacet", "`endfacet`")?;
+        self.expect_keyword(b"outer", "`outer`")?;
+        self.expect_keyword(b"loop", "`loop`")?;
+        let triangle = [self.read_vertex()?, self.read_vertex()?, self.read_vertex()?];
+        self.expect_keyword(b"endloop", "`endloop` after three corners")?;
+        self.expect_keyword(b"endfacet", "`endfacet`")?;
         Ok(triangle)
     }
 
-    fn vertex(&mut self) -> Result<[f32; 3], StlSyntax> {
-        self.expect(b"vertex", "`vertex`")?;
-        Ok([self.number()?, self.number()?, self.number()?])
+    fn read_vertex(&mut self) -> Result<[f32; 3], StlSyntax> {
+        self.expect_keyword(b"vertex", "`vertex`")?;
+        Ok([self.read_number()?, self.read_number()?, self.read_number()?])
     }
 
-    fn number(&mut self) -> Result<f32, StlSyntax> {
-        let word = self.word();
+    fn read_number(&mut self) -> Result<f32, StlSyntax> {
+        let word = self.next_word();
         // between blanks, a comma is a decimal sign
         let number = word.and_then(|word| std::str::from_utf8(word).ok()?.replacen(',', ".", 1).parse().ok());
-        number.ok_or_else(|| self.wrong(word, "a number"))
+        number.ok_or_else(|| self.syntax_error(word, "a number"))
     }
 
-    fn expect(&mut self, keyword: &[u8], wanted: &'static str) -> Result<(), StlSyntax> {
-        let word = self.word();
+    fn expect_keyword(&mut self, keyword: &[u8], wanted: &'static str) -> Result<(), StlSyntax> {
+        let word = self.next_word();
         let is = word.is_some_and(|word| word.eq_ignore_ascii_case(keyword));
-        is.then_some(()).ok_or_else(|| self.wrong(word, wanted))
+        is.then_some(()).ok_or_else(|| self.syntax_error(word, wanted))
     }
 
-    fn wrong(&self, word: Option<&[u8]>, wanted: &'static str) -> StlSyntax {
+    fn syntax_error(&self, word: Option<&[u8]>, wanted: &'static str) -> StlSyntax {
         let word = word.map_or("end of file".into(), |word| String::from_utf8_lossy(word).chars().take(24).collect());
         StlSyntax { place: format!("line {}", self.line), word, wanted }
     }
 
-    fn word(&mut self) -> Option<&'a [u8]> {
+    fn next_word(&mut self) -> Option<&'a [u8]> {
         while let Some((byte, rest)) = self.rest.split_first().filter(|(byte, _)| byte.is_ascii_whitespace()) {
             self.line += usize::from(ends_line(*byte, rest));
             self.rest = rest;
@@ -145,7 +145,7 @@ fn ends_line(byte: u8, rest: &[u8]) -> bool {
 }
 
 /// Each place once, in the order of the file, and the triangles by their numbers.
-pub(super) fn indexed(triangles: &[Triangle]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+pub(super) fn index_places(triangles: &[Triangle]) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
     let mut places = Vec::new();
     let mut number = |place: [f32; 3]| {
@@ -167,7 +167,7 @@ mod tests {
     const CORNERS: Triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.5, 0.0]];
 
     fn text(solid: &str) -> Result<Vec<Triangle>, StlSyntax> {
-        triangles(solid.as_bytes())
+        read_triangles(solid.as_bytes())
     }
 
     #[test]
@@ -183,7 +183,7 @@ mod tests {
             assert_eq!(text(&form).unwrap(), [CORNERS; 2], "{form:?}");
         }
         let latin: Vec<u8> = [b"solid k\xf6rper\n", FACET.as_bytes()].concat();
-        assert_eq!(triangles(&latin).unwrap(), [CORNERS]);
+        assert_eq!(read_triangles(&latin).unwrap(), [CORNERS]);
         assert_eq!(text(&format!("solid\n{}", FACET.replace("0 0 1\n", "nan -nan(ind) inf\n"))).unwrap(), [CORNERS]);
     }
 
@@ -194,9 +194,9 @@ mod tests {
         binary.extend(1_u32.to_le_bytes());
         binary.extend([f32::NAN; 3].iter().chain(CORNERS.iter().flatten()).flat_map(|x| x.to_le_bytes()));
         binary.extend([0, 0]);
-        assert_eq!(triangles(&binary).unwrap(), [CORNERS]);
+        assert_eq!(read_triangles(&binary).unwrap(), [CORNERS]);
         binary.pop();
-        assert!(triangles(&binary).is_err());
+        assert!(read_triangles(&binary).is_err());
     }
 
     #[test]
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_place_has_one_number() {
-        let (places, faces) = indexed(&[CORNERS, [CORNERS[1], [9.0; 3], CORNERS[0]]]);
+        let (places, faces) = index_places(&[CORNERS, [CORNERS[1], [9.0; 3], CORNERS[0]]]);
         assert_eq!((places.len(), faces), (4, vec![[0, 1, 2], [1, 3, 0]]));
     }
 }

@@ -40,7 +40,7 @@ fn holds_chamber(slab: &Slab, layers: &[&Option<Layers>]) -> bool {
     let middle = 0.5 * (slab.from + slab.to);
     let (mut hollow, mut solid) = (0.0, 0.0);
     for ((_, lower), layers) in slab.strips().zip(layers) {
-        let height = slab.place(lower + 1, middle) - slab.place(lower, middle);
+        let height = slab.curve_position(lower + 1, middle) - slab.curve_position(lower, middle);
         match layers {
             Some(layers) if layers.is_hollow() => hollow += height,
             Some(_) => solid += height,

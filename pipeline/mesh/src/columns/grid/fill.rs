@@ -38,11 +38,11 @@ impl Grid<'_> {
     ///
     /// # Errors
     /// A plan point at which layers have no thickness.
-    pub fn fill(&self, wall: Metre, grading: &Grading) -> Result<QuadraticMesh, Point2> {
-        let cuts = self.cuts(wall, grading);
+    pub fn fill_blocks(&self, wall: Metre, grading: &Grading) -> Result<QuadraticMesh, Point2> {
+        let cuts = self.layer_cuts(wall, grading);
         let heights: Vec<Vec<Option<Metre>>> =
-            self.levels.heights.iter().map(|levels| refined(levels, &cuts)).collect();
-        let blocks = self.blocks(&cuts);
+            self.levels.heights.iter().map(|levels| refined_heights(levels, &cuts)).collect();
+        let blocks = self.all_blocks(&cuts);
         let solid = |block: &&Block| matches!(block.fill, Fill::Region(_));
         let (mut numbers, mut nodes) = (BTreeMap::new(), Vec::new());
         let (mut hexahedra, mut regions) = (Vec::new(), Vec::new());
@@ -50,11 +50,11 @@ impl Grid<'_> {
             let Fill::Region(region) = block.fill else { continue };
             let mut element = [0; 20];
             for (node, key) in element.iter_mut().zip(&block.nodes) {
-                let known = numbers.get(key).copied();
-                *node = match known {
+                let existing = numbers.get(key).copied();
+                *node = match existing {
                     Some(number) => number,
                     None => {
-                        nodes.push(self.place(*key, &heights)?);
+                        nodes.push(self.node_place(*key, &heights)?);
                         numbers.insert(*key, nodes.len() as u32 - 1);
                         nodes.len() as u32 - 1
                     }
@@ -63,13 +63,13 @@ impl Grid<'_> {
             hexahedra.push(element);
             regions.push(region);
         }
-        let skin = self.skin(&blocks, &numbers, &nodes);
+        let skin = self.find_skin(&blocks, &numbers, &nodes);
         let elements = QuadraticElements::Hexahedra(hexahedra);
         Ok(QuadraticMesh { nodes, elements, regions, skin, half: self.cut.is_some() })
     }
 
     /// A node in space, m.
-    fn place(&self, (point, at): Key, heights: &[Vec<Option<Metre>>]) -> Result<Point3, Point2> {
+    fn node_place(&self, (point, at): Key, heights: &[Vec<Option<Metre>>]) -> Result<Point3, Point2> {
         let plan = self.cells.points[point as usize];
         let line = &heights[point as usize];
         let [low, high] = [at / 2, at.div_ceil(2)].map(|n| line.get(n as usize).copied().flatten());
@@ -81,16 +81,16 @@ impl Grid<'_> {
     }
 
     /// Fractions at which each layer is divided.
-    fn cuts(&self, wall: Metre, grading: &Grading) -> Vec<Vec<f64>> {
+    fn layer_cuts(&self, wall: Metre, grading: &Grading) -> Vec<Vec<f64>> {
         let count = self.levels.count().saturating_sub(1);
         let outermost = |layer: usize| layer == 0 || layer + 1 == count;
         (0..count)
             .map(|layer| {
                 let [hollow, thickness] = self.hollow_and_thickness(layer);
-                let beside = [layer > 0 && outermost(layer - 1), layer + 1 < count && outermost(layer + 1)];
+                let refined_ends = [layer > 0 && outermost(layer - 1), layer + 1 < count && outermost(layer + 1)];
                 match hollow > 0.0 {
-                    true if beside[0] || beside[1] => {
-                        towards(thickness, beside, &grading.depth.map(|part| part * wall))
+                    true if refined_ends[0] || refined_ends[1] => {
+                        fractions_towards(thickness, refined_ends, &grading.depth.map(|part| part * wall))
                     }
                     true => even_fractions(thickness / (3.0 * wall)),
                     false if outermost(layer) && thickness < 2.0 * wall => even_fractions(grading.wall as f64),
@@ -125,7 +125,7 @@ impl Grid<'_> {
     }
 
     /// All cells of the grid but those of the surroundings.
-    fn blocks(&self, cuts: &[Vec<f64>]) -> Vec<Block> {
+    fn all_blocks(&self, cuts: &[Vec<f64>]) -> Vec<Block> {
         let mut blocks = Vec::new();
         for cell in &self.cells.cells {
             let Some(layers) = &self.layers[cell.strip as usize] else { continue };
@@ -144,7 +144,7 @@ impl Grid<'_> {
     }
 
     /// Faces with a solid on one side only, in the order of the elements.
-    fn skin(&self, blocks: &[Block], numbers: &BTreeMap<Key, u32>, places: &[Point3]) -> Vec<QuadraticFace> {
+    fn find_skin(&self, blocks: &[Block], numbers: &BTreeMap<Key, u32>, places: &[Point3]) -> Vec<QuadraticFace> {
         let mut sides: BTreeMap<Vec<Key>, Vec<(usize, usize)>> = BTreeMap::new();
         for (n, block) in blocks.iter().enumerate() {
             for (side, nodes) in HEX_SIDES.iter().enumerate() {
@@ -162,14 +162,14 @@ impl Grid<'_> {
             let mut solids = owners.iter().filter(solid);
             let (Some(&(n, side)), None) = (solids.next(), solids.next()) else { continue };
             let nodes = HEX_SIDES[side].map(|node| numbers[&blocks[n].nodes[node]]);
-            let other = owners.iter().find(|side| !solid(side)).map(|side| blocks[side.0].fill);
+            let opposite_fill = owners.iter().find(|side| !solid(side)).map(|side| blocks[side.0].fill);
             let on_cut = self.cut.is_some() && nodes.iter().all(|&node| places[node as usize][2] == 0.0);
-            let on = match other {
+            let skin_kind = match opposite_fill {
                 Some(Fill::Chamber(chamber)) => Skin::Chamber(chamber),
                 _ if on_cut => Skin::Symmetry,
                 _ => Skin::Outer,
             };
-            faces.extend(QuadraticFace::of_side(nodes, on).map(|face| ((n, side), face)));
+            faces.extend(QuadraticFace::of_side(nodes, skin_kind).map(|face| ((n, side), face)));
         }
         faces.sort_unstable_by_key(|face| face.0);
         faces.into_iter().map(|face| face.1).collect()
@@ -180,7 +180,7 @@ impl Grid<'_> {
 const THINNEST: Metre = 1e-6;
 
 /// Heights of levels and of the cuts between them.
-fn refined(levels: &[Option<Metre>], cuts: &[Vec<f64>]) -> Vec<Option<Metre>> {
+fn refined_heights(levels: &[Option<Metre>], cuts: &[Vec<f64>]) -> Vec<Option<Metre>> {
     let mut heights = vec![levels.first().copied().flatten()];
     for (pair, cuts) in levels.windows(2).zip(cuts) {
         heights.extend(cuts.iter().map(|part| Some(pair[0]? + part * (pair[1]? - pair[0]?))));
@@ -202,8 +202,8 @@ fn block_nodes(cell: &Cell, height: u32) -> [Key; 20] {
 }
 
 /// Fractions of a thickness (m) that make cells of the given lengths (m) from one end or from both.
-fn towards(thickness: Metre, beside: [bool; 2], lengths: &[Metre; 2]) -> Vec<f64> {
-    let both = beside[0] && beside[1];
+fn fractions_towards(thickness: Metre, refined_ends: [bool; 2], lengths: &[Metre; 2]) -> Vec<f64> {
+    let both = refined_ends[0] && refined_ends[1];
     let room = if both { 0.5 * thickness } else { thickness };
     let (mut sum, mut places) = (0.0, Vec::new());
     for length in lengths {
@@ -218,7 +218,7 @@ fn towards(thickness: Metre, beside: [bool; 2], lengths: &[Metre; 2]) -> Vec<f64
         places.push(0.5);
     }
     let far: Vec<f64> = places.iter().rev().map(|part| 1.0 - part).collect();
-    match beside {
+    match refined_ends {
         [true, true] => [places, far].concat(),
         [true, false] => places,
         _ => far,

@@ -4,7 +4,7 @@ use super::Grading;
 use super::division::Rows;
 use super::fill::Grid;
 use super::levels::{Covered, Levels};
-use super::rows::{Cells, Division, cells};
+use super::rows::{Cells, Division, plan_cells};
 use super::stations::Slab;
 use crate::columns::MeshError;
 use crate::columns::sheets::Layers;
@@ -51,7 +51,7 @@ pub fn layers_in_hexahedra(body: &LayeredBody, grading: &Grading) -> Result<Quad
         cut: body.frame.plan_axis(2).filter(|_| body.half),
     };
     let longest_slab = body.slabs.iter().map(Slab::length).fold(0.0, f64::max);
-    layered.fill(longest_slab, grading)
+    layered.fill_layers(longest_slab, grading)
 }
 
 /// A body whose layers over each strip of its plan are known.
@@ -76,7 +76,7 @@ impl Layered<'_> {
     ///
     /// # Errors
     /// [`MeshError`] where rows and levels do not divide the body.
-    pub fn fill(&self, edge: Metre, grading: &Grading) -> Result<QuadraticMesh, MeshError> {
+    pub fn fill_layers(&self, edge: Metre, grading: &Grading) -> Result<QuadraticMesh, MeshError> {
         let wall = self.outer_wall().unwrap_or(edge);
         let division = Division {
             inside: Rows { wall, grading }.rows_inside(self.slabs, self.layers),
@@ -85,11 +85,11 @@ impl Layered<'_> {
             shortest: 0.1 * wall,
             tolerance: self.tolerance,
         };
-        let cells = cells(self.slabs, &division);
+        let cells = plan_cells(self.slabs, &division);
         let levels = self.levels_over(&cells)?;
         let grid = Grid { cells: &cells, layers: self.layers, levels: &levels, frame: self.frame, cut: self.cut };
         let no_thickness = |at| MeshError::NotSwept { at: self.frame.join(at, 0.0), why: "layers meet" };
-        grid.fill(wall, grading).map_err(no_thickness)
+        grid.fill_blocks(wall, grading).map_err(no_thickness)
     }
 
     /// Thickness of the thinnest outer wall over a chamber, m.
@@ -99,7 +99,7 @@ impl Layered<'_> {
             strips.filter_map(|(strip, layers)| Some((strip, layers.as_ref().filter(|layers| layers.is_hollow())?)));
         let thicknesses = hollow.flat_map(|((slab, lower), layers)| {
             PLACES.map(|part| slab.from + part * slab.length()).into_iter().flat_map(move |q| {
-                let centre = [0.5 * (slab.place(lower, q) + slab.place(lower + 1, q)), q];
+                let centre = [0.5 * (slab.curve_position(lower, q) + slab.curve_position(lower + 1, q)), q];
                 let height = |level: usize| (self.height)(centre, layers.sheets[level]);
                 let top = layers.sheets.len() - 1;
                 [height(1) - height(0), height(top) - height(top - 1)]

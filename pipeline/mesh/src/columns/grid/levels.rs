@@ -42,24 +42,24 @@ impl Levels {
         let mut order = Order::default();
         (0..covered.sheets as u32).for_each(|sheet| order.note_height(sheet, 0.0));
         for layers in covered.cells.iter().filter_map(|cell| cell.1) {
-            layers.sheets.windows(2).for_each(|pair| order.note(pair[0], pair[1]));
+            layers.sheets.windows(2).for_each(|pair| order.note_below(pair[0], pair[1]));
         }
-        for at in &sheets_at {
-            for (&lower, low) in at {
-                let above = at.iter().filter(|(_, high)| **high - low > covered.tolerance);
-                above.for_each(|(&upper, _)| order.note(lower, upper));
+        for sheets in &sheets_at {
+            for (&lower, low) in sheets {
+                let above = sheets.iter().filter(|(_, high)| **high - low > covered.tolerance);
+                above.for_each(|(&upper, _)| order.note_below(lower, upper));
             }
         }
         // longest paths from below: sheets of one kind have one level
-        let ranks = order.ranks(covered.sheets, 1.0).map_err(|cycle| fail(cycle.lower, cycle.upper))?;
+        let ranks = order.sheet_ranks(covered.sheets, 1.0).map_err(|cycle| fail(cycle.lower, cycle.upper))?;
         let of_sheet: Vec<usize> = ranks.iter().map(|rank| *rank as usize).collect();
         let count = of_sheet.iter().max().map_or(0, |most| most + 1);
         let mut heights = vec![vec![None; count]; covered.points.len()];
-        for (heights, at) in heights.iter_mut().zip(&sheets_at) {
-            for (&sheet, &height) in at {
+        for (heights, sheets) in heights.iter_mut().zip(&sheets_at) {
+            for (&sheet, &height) in sheets {
                 let entry = &mut heights[of_sheet[sheet as usize]];
-                if entry.is_some_and(|known: Metre| (known - height).abs() > covered.tolerance) {
-                    let other = at.keys().find(|other| of_sheet[**other as usize] == of_sheet[sheet as usize]);
+                if entry.is_some_and(|noted: Metre| (noted - height).abs() > covered.tolerance) {
+                    let other = sheets.keys().find(|other| of_sheet[**other as usize] == of_sheet[sheet as usize]);
                     return Err(fail(other.copied().unwrap_or(sheet), sheet));
                 }
                 *entry = Some(height);
@@ -77,37 +77,37 @@ impl Levels {
 
     /// Heights of levels that lie within a solid.
     fn continue_through_solids(&mut self, covered: &Covered) {
-        let thickness = self.thickness(covered);
+        let thickness = self.layer_thicknesses(covered);
         for (heights, thickness) in self.heights.iter_mut().zip(thickness) {
-            let known: Vec<usize> = (0..heights.len()).filter(|level| heights[*level].is_some()).collect();
-            for pair in known.windows(2) {
+            let known_levels: Vec<usize> = (0..heights.len()).filter(|level| heights[*level].is_some()).collect();
+            for pair in known_levels.windows(2) {
                 let Some((from, to)) = heights[pair[0]].zip(heights[pair[1]]) else { continue };
-                let whole: f64 = thickness[pair[0]..pair[1]].iter().sum();
+                let total_thickness: f64 = thickness[pair[0]..pair[1]].iter().sum();
                 let mut sum = 0.0;
                 for level in pair[0] + 1..pair[1] {
                     sum += thickness[level - 1];
-                    heights[level] = Some(from + (to - from) * sum / whole);
+                    heights[level] = Some(from + (to - from) * sum / total_thickness);
                 }
             }
         }
     }
 
     /// points × layers: thicknesses where both of their levels are known, elsewhere the means of those around, m.
-    fn thickness(&self, covered: &Covered) -> Vec<Vec<Metre>> {
+    fn layer_thicknesses(&self, covered: &Covered) -> Vec<Vec<Metre>> {
         let layers = self.count().saturating_sub(1);
-        let known: Vec<Vec<Option<Metre>>> = self.heights.iter().map(|heights| gaps(heights)).collect();
-        let neighbours = neighbours(covered);
+        let known_gaps: Vec<Vec<Option<Metre>>> = self.heights.iter().map(|heights| height_gaps(heights)).collect();
+        let neighbours = weighted_neighbours(covered);
         let mean = |layer: usize| {
-            let all: Vec<Metre> = known.iter().filter_map(|gaps| gaps[layer]).collect();
-            if all.is_empty() { 1.0 } else { all.iter().sum::<f64>() / all.len() as f64 }
+            let gaps_of_layer: Vec<Metre> = known_gaps.iter().filter_map(|gaps| gaps[layer]).collect();
+            if gaps_of_layer.is_empty() { 1.0 } else { gaps_of_layer.iter().sum::<f64>() / gaps_of_layer.len() as f64 }
         };
         let means: Vec<Metre> = (0..layers).map(mean).collect();
         let start =
             |gaps: &Vec<Option<Metre>>| gaps.iter().zip(&means).map(|(gap, mean)| gap.unwrap_or(*mean)).collect();
-        let mut thickness: Vec<Vec<Metre>> = known.iter().map(start).collect();
+        let mut thickness: Vec<Vec<Metre>> = known_gaps.iter().map(start).collect();
         for _ in 0..SWEEPS {
             for point in 0..thickness.len() {
-                for layer in (0..layers).filter(|layer| known[point][*layer].is_none()) {
+                for layer in (0..layers).filter(|layer| known_gaps[point][*layer].is_none()) {
                     let (sum, weights) =
                         neighbours[point].iter().fold((0.0, 0.0), |(sum, weights), &(other, weight)| {
                             (sum + weight * thickness[other as usize][layer], weights + weight)
@@ -124,25 +124,25 @@ impl Levels {
 const SWEEPS: usize = 200;
 
 /// Differences of neighbouring heights where both are known.
-fn gaps(heights: &[Option<Metre>]) -> Vec<Option<Metre>> {
+fn height_gaps(heights: &[Option<Metre>]) -> Vec<Option<Metre>> {
     heights.windows(2).map(|pair| Some((pair[1]? - pair[0]?).max(1e-9))).collect()
 }
 
 /// Sheets of all cells around each point with their heights there.
 fn sheets_at(covered: &Covered) -> Vec<BTreeMap<u32, Metre>> {
-    let mut at = vec![BTreeMap::new(); covered.points.len()];
+    let mut sheets = vec![BTreeMap::new(); covered.points.len()];
     for (points, layers) in &covered.cells {
         for (&point, &sheet) in
             points.iter().flat_map(|point| layers.iter().flat_map(move |l| l.sheets.iter().map(move |s| (point, s))))
         {
-            at[point as usize].entry(sheet).or_insert_with(|| (covered.height)(point, sheet));
+            sheets[point as usize].entry(sheet).or_insert_with(|| (covered.height)(point, sheet));
         }
     }
-    at
+    sheets
 }
 
 /// Points that share a cell's side, with weights that fall with their distance.
-fn neighbours(covered: &Covered) -> Vec<Vec<(u32, f64)>> {
+fn weighted_neighbours(covered: &Covered) -> Vec<Vec<(u32, f64)>> {
     let mut neighbours = vec![BTreeMap::new(); covered.points.len()];
     for (points, _) in covered.cells.iter().filter(|cell| cell.1.is_some()) {
         for (&a, &b) in points.iter().flat_map(|a| points.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {

@@ -45,8 +45,8 @@ use super::{MeshError, Settings};
 use crate::QuadraticMesh;
 use crate::columns::arrange::Graph;
 use layered::Layered;
-use rows::{Cells, Division, cells};
-use stations::slabs;
+use rows::{Cells, Division, plan_cells};
+use stations::find_slabs;
 
 /// How finely thin walls are divided: lengths of cells over the thickness of the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,33 +82,34 @@ impl Grading {
 ///
 /// # Errors
 /// [`MeshError`] where rows and levels do not divide the body.
-pub(crate) fn hexahedra(
+pub(crate) fn mesh_hexahedra(
     outlines: &Graph,
     sampler: &Sampler,
     set: &Settings,
     grading: &Grading,
 ) -> Result<QuadraticMesh, MeshError> {
     let not_swept = |at| MeshError::NotSwept { at: sampler.frame.join(at, 0.0), why: "outlines end between two rows" };
-    let slabs = slabs(outlines, sampler.tolerance).map_err(not_swept)?;
-    let regions = sampler.regions(&plane(&cells(&slabs, &Division::undivided(slabs.len(), sampler.tolerance))))?;
+    let slabs = find_slabs(outlines, sampler.tolerance).map_err(not_swept)?;
+    let regions = sampler
+        .region_sequences(&plane_of_cells(&plan_cells(&slabs, &Division::undivided(slabs.len(), sampler.tolerance))))?;
     let sheets = Sheets::new(sampler.patches, &regions);
     let layers: Vec<Option<Layers>> =
-        regions.iter().map(|region| region.as_ref().map(|region| sheets.layers(region))).collect();
+        regions.iter().map(|region| region.as_ref().map(|region| sheets.layers_of(region))).collect();
     let body = Layered {
         frame: sampler.frame,
         slabs: &slabs,
         layers: &layers,
         sheets: sheets.count(),
-        height: &|place, sheet| sheets.height(place, sheet),
-        place: &|sheet| sheets.place(sheet),
+        height: &|place, sheet| sheets.sheet_height(place, sheet),
+        place: &|sheet| sheets.place_of(sheet),
         tolerance: sampler.tolerance,
         cut: sampler.frame.plan_axis(2).filter(|_| set.use_symmetry),
     };
-    body.fill(set.edge, grading)
+    body.fill_layers(set.edge, grading)
 }
 
 /// The cells as triangles, one region for each strip.
-fn plane(cells: &Cells) -> Plane {
+fn plane_of_cells(cells: &Cells) -> Plane {
     let halves = cells.cells.iter().flat_map(|cell| {
         let [a, b, c, d, ..] = cell.nodes;
         [([a, b, c], cell.strip), ([a, c, d], cell.strip)]

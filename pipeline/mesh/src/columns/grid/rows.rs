@@ -70,104 +70,105 @@ struct Row {
 }
 
 impl Row {
-    fn insert(&mut self, p: Metre, tolerance: Metre) {
-        let at = self.points.partition_point(|other| *other < p);
-        let near = |n: Option<&Metre>| n.is_some_and(|other| (other - p).abs() <= tolerance);
-        if !near(self.points.get(at)) && !near(at.checked_sub(1).and_then(|n| self.points.get(n))) {
-            self.points.insert(at, p);
+    fn insert_point(&mut self, p: Metre, tolerance: Metre) {
+        let index = self.points.partition_point(|other| *other < p);
+        let is_near = |n: Option<&Metre>| n.is_some_and(|other| (other - p).abs() <= tolerance);
+        if !is_near(self.points.get(index)) && !is_near(index.checked_sub(1).and_then(|n| self.points.get(n))) {
+            self.points.insert(index, p);
         }
     }
 
     /// Index of the point nearest to p.
-    fn index(&self, p: Metre) -> usize {
-        let off = |n: &usize| (self.points[*n] - p).abs();
-        (0..self.points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+    fn nearest_index(&self, p: Metre) -> usize {
+        let distance = |n: &usize| (self.points[*n] - p).abs();
+        (0..self.points.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
 
     /// Indices of the ends of a strip of `slab`, whose curve `lower` lies below it.
-    fn ends(&self, slab: &Slab, lower: usize) -> [usize; 2] {
-        [lower, lower + 1].map(|curve| self.index(slab.place(curve, self.q)))
+    fn strip_ends(&self, slab: &Slab, lower: usize) -> [usize; 2] {
+        [lower, lower + 1].map(|curve| self.nearest_index(slab.curve_position(curve, self.q)))
     }
 
     /// Places of the points strictly within a strip, as fractions of it; none of one that has shrunk.
-    fn fractions(&self, [from, to]: [usize; 2]) -> Vec<f64> {
+    fn strip_fractions(&self, [from, to]: [usize; 2]) -> Vec<f64> {
         let height = self.points[to] - self.points[from];
         (from + 1..to.max(from + 1)).map(|n| (self.points[n] - self.points[from]) / height).collect()
     }
 }
 
 /// The cells of a plan in `slabs`.
-pub(crate) fn cells(slabs: &[Slab], division: &Division) -> Cells {
-    let mut stations = stations(slabs, division.tolerance);
-    divide(slabs, &mut stations, division);
-    while continued(slabs, &mut stations, division) {}
+pub(crate) fn plan_cells(slabs: &[Slab], division: &Division) -> Cells {
+    let mut stations = station_rows(slabs, division.tolerance);
+    divide_strips(slabs, &mut stations, division);
+    while continue_points(slabs, &mut stations, division) {}
     let mut cells = Cells::default();
-    let numbers: Vec<Vec<u32>> = stations.iter().map(|row| cells.number(row)).collect();
+    let numbers: Vec<Vec<u32>> = stations.iter().map(|row| cells.number_row(row)).collect();
     for (n, slab) in slabs.iter().enumerate() {
         let [first, last] = [n, n + 1].map(|n| (&stations[n], numbers[n].clone()));
-        let inner = division.inside[n].iter().map(|part| between(slab, first.0, last.0, *part));
+        let inner = division.inside[n].iter().map(|part| row_between(slab, first.0, last.0, *part));
         let inner: Vec<Row> = inner.collect();
-        let mut left = first;
+        let mut left_row = first;
         for row in &inner {
-            let right = (row, cells.number(row));
-            cells.zip(slab, &left, &right);
-            left = right;
+            let right_row = (row, cells.number_row(row));
+            cells.join_rows(slab, &left_row, &right_row);
+            left_row = right_row;
         }
-        cells.zip(slab, &left, &last);
+        cells.join_rows(slab, &left_row, &last);
         cells.strips += slab.curves().saturating_sub(1) as u32;
     }
     cells
 }
 
 /// The points that outlines leave on each station.
-fn stations(slabs: &[Slab], tolerance: Metre) -> Vec<Row> {
+fn station_rows(slabs: &[Slab], tolerance: Metre) -> Vec<Row> {
     let places = slabs.first().map(|slab| slab.from).into_iter().chain(slabs.iter().map(|slab| slab.to));
     let mut rows: Vec<Row> = places.map(|q| Row { q, points: Vec::new() }).collect();
     for (n, slab) in slabs.iter().enumerate() {
         for row in &mut rows[n..=n + 1] {
-            (0..slab.curves()).for_each(|curve| row.insert(slab.place(curve, row.q), tolerance));
+            (0..slab.curves()).for_each(|curve| row.insert_point(slab.curve_position(curve, row.q), tolerance));
         }
     }
     rows
 }
 
 /// Divides strips that are longer than the longest cell, evenly.
-fn divide(slabs: &[Slab], stations: &mut [Row], division: &Division) {
-    for (n, lower) in strips(slabs) {
+fn divide_strips(slabs: &[Slab], stations: &mut [Row], division: &Division) {
+    for (n, lower) in all_strips(slabs) {
         for row in &mut stations[n..=n + 1] {
-            let [from, to] = row.ends(&slabs[n], lower);
+            let [from, to] = row.strip_ends(&slabs[n], lower);
             let points: Vec<Metre> = row.points[from..=to.max(from)].to_vec();
             let longest = division.longest_on(row);
             for pair in points.windows(2) {
                 let pieces = ((pair[1] - pair[0]) / longest(0.5 * (pair[0] + pair[1]))).ceil().max(1.0) as usize;
-                let place = |k: usize| pair[0] + (pair[1] - pair[0]) * k as f64 / pieces as f64;
-                (1..pieces).for_each(|k| row.insert(place(k), division.tolerance));
+                let division_point = |k: usize| pair[0] + (pair[1] - pair[0]) * k as f64 / pieces as f64;
+                (1..pieces).for_each(|k| row.insert_point(division_point(k), division.tolerance));
             }
         }
     }
 }
 
-fn strips(slabs: &[Slab]) -> impl Iterator<Item = (usize, usize)> {
+fn all_strips(slabs: &[Slab]) -> impl Iterator<Item = (usize, usize)> {
     slabs.iter().enumerate().flat_map(|(n, slab)| (0..slab.curves().saturating_sub(1)).map(move |lower| (n, lower)))
 }
 
 /// Continues points from the end of a strip that has more of them to the other, once for every strip; whether there was any.
-fn continued(slabs: &[Slab], stations: &mut [Row], division: &Division) -> bool {
+fn continue_points(slabs: &[Slab], stations: &mut [Row], division: &Division) -> bool {
     let mut any = false;
-    for (n, lower) in strips(slabs) {
-        let ends = [n, n + 1].map(|station| stations[station].ends(&slabs[n], lower));
-        let fractions = [0, 1].map(|end| stations[n + end].fractions(ends[end]));
+    for (n, lower) in all_strips(slabs) {
+        let ends = [n, n + 1].map(|station| stations[station].strip_ends(&slabs[n], lower));
+        let fractions = [0, 1].map(|end| stations[n + end].strip_fractions(ends[end]));
         let (few, many) = if fractions[0].len() < fractions[1].len() { (0, 1) } else { (1, 0) };
         let row = &mut stations[n + few];
         let [from, to] = ends[few].map(|index| row.points[index]);
         // the point that is farthest from all points at the other end
-        let mut known = fractions[few].clone();
-        known.extend([0.0, 1.0]);
-        let off = |part: &f64| known.iter().map(|other| (other - part).abs()).fold(f64::INFINITY, f64::min);
-        let missing = fractions[many].iter().max_by(|a, b| off(a).total_cmp(&off(b)));
+        let mut known_fractions = fractions[few].clone();
+        known_fractions.extend([0.0, 1.0]);
+        let distance_from_known =
+            |part: &f64| known_fractions.iter().map(|other| (other - part).abs()).fold(f64::INFINITY, f64::min);
+        let missing = fractions[many].iter().max_by(|a, b| distance_from_known(a).total_cmp(&distance_from_known(b)));
         let Some(missing) = missing.filter(|_| fractions[few].len() < fractions[many].len()) else { continue };
-        if off(missing) * (to - from) >= division.shortest {
-            row.insert(from + missing * (to - from), division.tolerance);
+        if distance_from_known(missing) * (to - from) >= division.shortest {
+            row.insert_point(from + missing * (to - from), division.tolerance);
             any = true;
         }
     }
@@ -176,12 +177,12 @@ fn continued(slabs: &[Slab], stations: &mut [Row], division: &Division) -> bool 
 
 /// A row within a slab: the points of each strip, at the mean fractions of those of its ends where they are as many, at those of the end that
 /// has more elsewhere.
-fn between(slab: &Slab, first: &Row, last: &Row, part: f64) -> Row {
+fn row_between(slab: &Slab, first: &Row, last: &Row, part: f64) -> Row {
     let q = slab.from + part * (slab.to - slab.from);
-    let mut points = vec![slab.place(0, q)];
+    let mut points = vec![slab.curve_position(0, q)];
     for lower in 0..slab.curves().saturating_sub(1) {
-        let [a, b] = [first, last].map(|row| row.fractions(row.ends(slab, lower)));
-        let [from, to] = [lower, lower + 1].map(|curve| slab.place(curve, q));
+        let [a, b] = [first, last].map(|row| row.strip_fractions(row.strip_ends(slab, lower)));
+        let [from, to] = [lower, lower + 1].map(|curve| slab.curve_position(curve, q));
         let fractions: Vec<f64> = match a.len() == b.len() {
             true => a.iter().zip(&b).map(|(a, b)| a + part * (b - a)).collect(),
             false if a.len() > b.len() => a,
@@ -193,43 +194,43 @@ fn between(slab: &Slab, first: &Row, last: &Row, part: f64) -> Row {
 }
 
 impl Cells {
-    fn point(&mut self, at: Point2) -> u32 {
-        self.points.push(at);
+    fn add_point(&mut self, point: Point2) -> u32 {
+        self.points.push(point);
         self.points.len() as u32 - 1
     }
 
-    fn number(&mut self, row: &Row) -> Vec<u32> {
-        row.points.iter().map(|&p| self.point([p, row.q])).collect()
+    fn number_row(&mut self, row: &Row) -> Vec<u32> {
+        row.points.iter().map(|&p| self.add_point([p, row.q])).collect()
     }
 
     /// The cells between two rows of a slab.
-    fn zip(&mut self, slab: &Slab, left: &(&Row, Vec<u32>), right: &(&Row, Vec<u32>)) {
+    fn join_rows(&mut self, slab: &Slab, left: &(&Row, Vec<u32>), right: &(&Row, Vec<u32>)) {
         for lower in 0..slab.curves().saturating_sub(1) {
             let chain = |(row, numbers): &(&Row, Vec<u32>)| {
-                let [from, to] = row.ends(slab, lower);
+                let [from, to] = row.strip_ends(slab, lower);
                 numbers[from..=to.max(from)].to_vec()
             };
             let strip = Strip { slab, lower, number: self.strips + lower as u32 };
-            self.fill(&strip, &chain(left), &chain(right));
+            self.fill_strip(&strip, &chain(left), &chain(right));
         }
     }
 
     /// Quadrilaterals between two chains of points; triangles where one has more.
-    fn fill(&mut self, strip: &Strip, left: &[u32], right: &[u32]) {
-        let part = |cells: &Self, chain: &[u32], n: usize| strip.fraction(cells.points[chain[n] as usize]);
+    fn fill_strip(&mut self, strip: &Strip, left: &[u32], right: &[u32]) {
+        let part = |cells: &Self, chain: &[u32], n: usize| strip.strip_fraction(cells.points[chain[n] as usize]);
         let (mut i, mut j) = (0, 0);
         while i + 1 < left.len() || j + 1 < right.len() {
-            let rest = [left.len() - 1 - i, right.len() - 1 - j];
-            let corners = if rest[0] == rest[1] {
+            let remaining = [left.len() - 1 - i, right.len() - 1 - j];
+            let corners = if remaining[0] == remaining[1] {
                 (i, j) = (i + 1, j + 1);
                 [left[i - 1], left[i], right[j], right[j - 1]]
             } else {
-                let more = if rest[0] > rest[1] { (left, i, right, j) } else { (right, j, left, i) };
+                let more = if remaining[0] > remaining[1] { (left, i, right, j) } else { (right, j, left, i) };
                 let (many, m, few, f) = more;
                 let ahead = part(self, many, m + 1);
-                let own = (part(self, few, f) - ahead).abs();
-                if f + 1 == few.len() || own < (part(self, few, f + 1) - ahead).abs() {
-                    if rest[0] > rest[1] {
+                let current_distance = (part(self, few, f) - ahead).abs();
+                if f + 1 == few.len() || current_distance < (part(self, few, f + 1) - ahead).abs() {
+                    if remaining[0] > remaining[1] {
                         i += 1;
                         [left[i - 1], left[i], right[j], right[j]]
                     } else {
@@ -241,14 +242,14 @@ impl Cells {
                     [left[i - 1], left[i], right[j], right[j - 1]]
                 }
             };
-            let middles = [0, 1, 2, 3].map(|n| self.middle(strip, corners[n], corners[(n + 1) % 4]));
+            let middles = [0, 1, 2, 3].map(|n| self.middle_point(strip, corners[n], corners[(n + 1) % 4]));
             let nodes = std::array::from_fn(|n| if n < 4 { corners[n] } else { middles[n - 4] });
             self.cells.push(Cell { nodes, strip: strip.number });
         }
     }
 
     /// The middle between two points: on the same curve as they, or at their mean fraction of the strip.
-    fn middle(&mut self, strip: &Strip, a: u32, b: u32) -> u32 {
+    fn middle_point(&mut self, strip: &Strip, a: u32, b: u32) -> u32 {
         if a == b {
             return a;
         }
@@ -261,11 +262,12 @@ impl Cells {
             0.5 * (from[0] + to[0])
         } else {
             // where the strip has shrunk to a point, that point has the fraction of the other end
-            let [one, other] = [from, to].map(|at| strip.height(at[1]) > 0.0);
-            let [a, b] = [if one { from } else { to }, if other { to } else { from }].map(|at| strip.fraction(at));
-            strip.place(0.5 * (a + b), q)
+            let [one, other] = [from, to].map(|at| strip.strip_height(at[1]) > 0.0);
+            let [a, b] =
+                [if one { from } else { to }, if other { to } else { from }].map(|at| strip.strip_fraction(at));
+            strip.place_at(0.5 * (a + b), q)
         };
-        let middle = self.point([p, q]);
+        let middle = self.add_point([p, q]);
         self.numbers.insert([a.min(b), a.max(b)], middle);
         middle
     }
@@ -279,22 +281,22 @@ struct Strip<'a> {
 }
 
 impl Strip<'_> {
-    fn place(&self, part: f64, q: Metre) -> Metre {
-        let from = self.slab.place(self.lower, q);
-        from + part * (self.slab.place(self.lower + 1, q) - from)
+    fn place_at(&self, part: f64, q: Metre) -> Metre {
+        let lower_place = self.slab.curve_position(self.lower, q);
+        lower_place + part * (self.slab.curve_position(self.lower + 1, q) - lower_place)
     }
 
     /// m; zero where it has shrunk to a point, to a millionth of the slab.
-    fn height(&self, q: Metre) -> Metre {
-        let height = self.slab.place(self.lower + 1, q) - self.slab.place(self.lower, q);
+    fn strip_height(&self, q: Metre) -> Metre {
+        let height = self.slab.curve_position(self.lower + 1, q) - self.slab.curve_position(self.lower, q);
         if height > 1e-5 * (self.slab.to - self.slab.from) { height } else { 0.0 }
     }
 
     /// The place of a point across the strip, 0 to 1.
-    fn fraction(&self, at: Point2) -> f64 {
-        match self.height(at[1]) {
+    fn strip_fraction(&self, point: Point2) -> f64 {
+        match self.strip_height(point[1]) {
             0.0 => 0.0,
-            height => ((at[0] - self.slab.place(self.lower, at[1])) / height).clamp(0.0, 1.0),
+            height => ((point[0] - self.slab.curve_position(self.lower, point[1])) / height).clamp(0.0, 1.0),
         }
     }
 }
@@ -302,9 +304,9 @@ impl Strip<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::arrange::arrange;
-    use crate::columns::grid::stations::slabs;
-    use crate::frame::turn;
+    use crate::columns::arrange::arrange_segments;
+    use crate::columns::grid::stations::find_slabs;
+    use crate::frame::doubled_area;
 
     fn ring(points: &[Point2]) -> Vec<[Point2; 2]> {
         (0..points.len()).map(|n| [points[n], points[(n + 1) % points.len()]]).collect()
@@ -312,14 +314,14 @@ mod tests {
 
     fn area(cells: &Cells, cell: &Cell) -> f64 {
         let [a, b, c, d] = [0, 1, 2, 3].map(|n| cells.points[cell.nodes[n] as usize]);
-        0.5 * (turn(a, b, c) + turn(a, c, d))
+        0.5 * (doubled_area(a, b, c) + doubled_area(a, c, d))
     }
 
     #[test]
     fn points_of_a_box_within_a_box_are_continued_so_that_all_cells_are_quadrilaterals() {
         let square = |low: Point2, high: Point2| ring(&[low, [high[0], low[1]], high, [low[0], high[1]]]);
         let lines = [square([0.0, 0.0], [3.0, 9.0]), square([1.0, 4.0], [2.0, 5.0])].concat();
-        let slabs = slabs(&arrange(&lines, 1e-6), 1e-3).unwrap();
+        let slabs = find_slabs(&arrange_segments(&lines, 1e-6), 1e-3).unwrap();
         let division = Division {
             inside: vec![vec![0.5], vec![], vec![]],
             longest: [9.0; 2],
@@ -327,7 +329,7 @@ mod tests {
             shortest: 0.1,
             tolerance: 1e-3,
         };
-        let cells = cells(&slabs, &division);
+        let cells = plan_cells(&slabs, &division);
         assert_eq!((cells.cells.len(), cells.strips), (3 * 4, 5));
         assert!(cells.cells.iter().all(|cell| cell.nodes[2] != cell.nodes[3] && area(&cells, cell) > 0.0));
         assert!((cells.cells.iter().map(|cell| area(&cells, cell)).sum::<f64>() - 27.0).abs() < 1e-9);
@@ -337,10 +339,10 @@ mod tests {
     fn a_strip_that_shrinks_to_a_point_ends_in_triangles_and_curved_sides_have_their_middles_on_the_outline() {
         let outline: Vec<Point2> =
             (0..=100).map(|n| f64::from(n) / 100.0).map(|q| [1.0 - q * q, q]).chain([[0.0, 0.0]]).collect();
-        let slabs = slabs(&arrange(&ring(&outline), 1e-6), 1e-4).unwrap();
+        let slabs = find_slabs(&arrange_segments(&ring(&outline), 1e-6), 1e-4).unwrap();
         let inside = slabs.iter().map(|_| vec![0.5]).collect();
         let cells =
-            cells(&slabs, &Division { inside, longest: [0.4; 2], half: false, shortest: 0.05, tolerance: 1e-4 });
+            plan_cells(&slabs, &Division { inside, longest: [0.4; 2], half: false, shortest: 0.05, tolerance: 1e-4 });
         let sum: f64 = cells.cells.iter().map(|cell| area(&cells, cell)).sum();
         assert!(cells.cells.iter().all(|cell| area(&cells, cell) > 0.0) && sum < 2.0 / 3.0 && sum > 0.6, "{sum}");
         assert!(cells.cells.iter().any(|cell| cell.nodes[2] == cell.nodes[3]));

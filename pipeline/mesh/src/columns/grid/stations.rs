@@ -1,7 +1,7 @@
 //! Stations: lines across the plan between which no outline begins, ends or turns back, and the outlines between them as curves.
 
 use crate::columns::arrange::Graph;
-use crate::columns::resample::{chains, corners, simplify};
+use crate::columns::resample::{find_chains, path_corners, simplify_path};
 use si::{Metre, Point2};
 
 /// The plan between two stations: outlines as curves p(q) that do not cross, in rising p.
@@ -42,7 +42,8 @@ impl Slab {
     /// The middle of each strip.
     pub(crate) fn strip_centres(&self) -> impl Iterator<Item = Point2> {
         let q = 0.5 * (self.from + self.to);
-        self.strips().map(move |(slab, lower)| [0.5 * (slab.place(lower, q) + slab.place(lower + 1, q)), q])
+        self.strips()
+            .map(move |(slab, lower)| [0.5 * (slab.curve_position(lower, q) + slab.curve_position(lower + 1, q)), q])
     }
 
     /// Number of outlines.
@@ -51,7 +52,7 @@ impl Slab {
     }
 
     /// p of an outline at q, m.
-    pub(crate) fn place(&self, curve: usize, q: Metre) -> Metre {
+    pub(crate) fn curve_position(&self, curve: usize, q: Metre) -> Metre {
         let points = &self.curves[curve];
         let next = points.partition_point(|point| point[0] < q).clamp(1, points.len() - 1);
         let (a, b) = (points[next - 1], points[next]);
@@ -67,8 +68,8 @@ const BESIDE: f64 = 1e-6;
 ///
 /// # Errors
 /// A place where the number of outlines changes between two stations.
-pub(crate) fn slabs(outlines: &Graph, tolerance: Metre) -> Result<Vec<Slab>, Point2> {
-    let stations = stations(outlines, tolerance);
+pub(crate) fn find_slabs(outlines: &Graph, tolerance: Metre) -> Result<Vec<Slab>, Point2> {
+    let stations = find_stations(outlines, tolerance);
     let on_station = |q: Metre| {
         let nearest = stations.iter().min_by(|a, b| (*a - q).abs().total_cmp(&(*b - q).abs()));
         nearest.copied().filter(|station| (station - q).abs() <= tolerance).unwrap_or(q)
@@ -78,10 +79,10 @@ pub(crate) fn slabs(outlines: &Graph, tolerance: Metre) -> Result<Vec<Slab>, Poi
     let rising = edges.map(|[a, b]| if a[0] <= b[0] { [a, b] } else { [b, a] });
     // an edge along a station bounds no strip
     let edges: Vec<[Point2; 2]> = rising.filter(|[a, b]| b[0] > a[0]).collect();
-    stations.windows(2).map(|pair| slab(&edges, pair[0], pair[1])).collect()
+    stations.windows(2).map(|pair| sampled_slab(&edges, pair[0], pair[1])).collect()
 }
 
-fn slab(edges: &[[Point2; 2]], from: Metre, to: Metre) -> Result<Slab, Point2> {
+fn sampled_slab(edges: &[[Point2; 2]], from: Metre, to: Metre) -> Result<Slab, Point2> {
     let inside: Vec<&[Point2; 2]> = edges.iter().filter(|[a, b]| a[0] < to && b[0] > from).collect();
     let mut samples: Vec<Metre> = inside.iter().flat_map(|edge| edge.map(|point| point[0])).collect();
     samples.retain(|q| *q > from && *q < to);
@@ -110,12 +111,12 @@ fn slab(edges: &[[Point2; 2]], from: Metre, to: Metre) -> Result<Slab, Point2> {
 }
 
 /// q of junctions, corners and points where an outline turns back, m; those within the tolerance of each other are one.
-fn stations(outlines: &Graph, tolerance: Metre) -> Vec<Metre> {
+fn find_stations(outlines: &Graph, tolerance: Metre) -> Vec<Metre> {
     let mut places = Vec::new();
-    for chain in chains(outlines) {
+    for chain in find_chains(outlines) {
         let points: Vec<Point2> = chain.iter().map(|&v| outlines.points[v as usize]).collect();
-        places.extend(corners(&points, &simplify(&points, tolerance)).into_iter().map(|n| points[n][1]));
-        places.extend(turns(&points, tolerance));
+        places.extend(path_corners(&points, &simplify_path(&points, tolerance)).into_iter().map(|n| points[n][1]));
+        places.extend(turning_stations(&points, tolerance));
     }
     places.sort_by(f64::total_cmp);
     let mut stations: Vec<Vec<Metre>> = Vec::new();
@@ -129,7 +130,7 @@ fn stations(outlines: &Graph, tolerance: Metre) -> Vec<Metre> {
 }
 
 /// q of the points where a path turns back along q by more than the tolerance.
-fn turns(path: &[Point2], tolerance: Metre) -> Vec<Metre> {
+fn turning_stations(path: &[Point2], tolerance: Metre) -> Vec<Metre> {
     let (mut turns, mut farthest, mut forward) = (Vec::new(), path[0][1], None);
     for &[_, q] in path {
         let ahead = q - farthest;
@@ -149,7 +150,7 @@ fn turns(path: &[Point2], tolerance: Metre) -> Vec<Metre> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::arrange::arrange;
+    use crate::columns::arrange::arrange_segments;
 
     #[test]
     fn a_rectangle_with_a_notch_has_stations_at_its_corners_and_a_circle_at_its_ends() {
@@ -157,16 +158,16 @@ mod tests {
             (0..points.len()).map(|n| [points[n], points[(n + 1) % points.len()]]).collect()
         };
         let outline = [[0.0, 0.0], [0.0, 3.0], [1.0, 3.0], [1.0, 2.0], [2.0, 2.0], [2.0, 0.0]];
-        let slabs = slabs(&arrange(&ring(&outline), 1e-6), 1e-3).unwrap();
+        let slabs = find_slabs(&arrange_segments(&ring(&outline), 1e-6), 1e-3).unwrap();
         let ends: Vec<_> = slabs.iter().map(|slab| (slab.from, slab.to, slab.curves())).collect();
         assert_eq!(ends, [(0.0, 2.0, 2), (2.0, 3.0, 2)]);
-        assert!((slabs[1].place(1, 2.5) - 1.0).abs() < 1e-12);
+        assert!((slabs[1].curve_position(1, 2.5) - 1.0).abs() < 1e-12);
         let angle = |n: u32| f64::from(n) * std::f64::consts::TAU / 200.0;
         let circle: Vec<Point2> = (0..200).map(|n| [angle(n).cos(), angle(n).sin()]).collect();
-        let slabs = super::slabs(&arrange(&ring(&circle), 1e-6), 1e-3).unwrap();
+        let slabs = super::find_slabs(&arrange_segments(&ring(&circle), 1e-6), 1e-3).unwrap();
         // the arbitrary start of a closed path is a station as well
         assert!(slabs.len() <= 3 && (slabs[0].from + 1.0).abs() < 1e-12, "{}", slabs.len());
         let at = slabs.iter().find(|slab| slab.from < 0.3 && slab.to > 0.3).unwrap();
-        assert!((at.place(1, 0.3) - (1.0f64 - 0.09).sqrt()).abs() < 1e-3);
+        assert!((at.curve_position(1, 0.3) - (1.0f64 - 0.09).sqrt()).abs() < 1e-3);
     }
 }
