@@ -41,9 +41,12 @@ pub(crate) struct Bench<'a> {
 
 impl Bench<'_> {
     /// The model that `trial` softens by its cycles; none where it has none.
-    pub(crate) fn softened(&self, trial: &Trial) -> Option<&SoftenedModel> {
+    pub(crate) fn softened_model(&self, trial: &Trial) -> Option<&SoftenedModel> {
         let Experiment::Flapping { amplitude, .. } = trial.experiment else { return None };
-        self.softened.iter().find(|(of, _)| *of == amplitude).map(|(_, softened)| softened)
+        self.softened
+            .iter()
+            .find(|(amplitude_of_model, _)| *amplitude_of_model == amplitude)
+            .map(|(_, softened)| softened)
     }
 }
 

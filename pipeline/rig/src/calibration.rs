@@ -23,15 +23,16 @@ pub(crate) struct Calibration {
 impl Calibration {
     /// A recording of `poses` poses, drawn with `seed`.
     pub(crate) fn new(set: &Settings, renderer: &Renderer, poses: usize, seed: u64) -> Self {
-        let layout = board::layout(&set.plane);
+        let layout = board::board_layout(&set.plane);
         let mut stops =
             board::calibration_poses(&renderer.camera, &layout, poses, &mut RandomStream::new(seed, "board"));
-        stops.push(board::flat(&set.plane));
+        stops.push(board::flat_pose(&set.plane));
         let (held, moving) = (set.calibration.held, set.calibration.moving);
         let mut places = Vec::new();
         for pair in stops.windows(2) {
             places.extend((0..held).map(|_| pair[0]));
-            places.extend((1..=moving).map(|i| board::between(&pair[0], &pair[1], i as f64 / (moving + 1) as f64)));
+            places
+                .extend((1..=moving).map(|i| board::pose_between(&pair[0], &pair[1], i as f64 / (moving + 1) as f64)));
         }
         let first = places.len();
         places.extend((0..set.calibration.flat).map(|_| stops[stops.len() - 1]));
@@ -40,7 +41,7 @@ impl Calibration {
     }
 
     /// Number of frames.
-    pub(crate) fn frames(&self) -> usize {
+    pub(crate) fn frame_count(&self) -> usize {
         self.places.len()
     }
 
@@ -48,9 +49,11 @@ impl Calibration {
     ///
     /// # Errors
     /// When the encoder fails or the file cannot be written.
-    pub(crate) fn write(&self, path: &Path, set: &Settings, renderer: &Renderer, tick: &dyn Fn()) -> Result<()> {
-        let layout = board::layout(&set.plane);
-        let draw = |frame: usize| renderer.expose(&renderer.board(&layout, &self.places[frame]), "calibration", frame);
-        film::write(path, &set.camera, &Frames { count: self.frames(), draw: &draw }, tick)
+    pub(crate) fn write_film(&self, path: &Path, set: &Settings, renderer: &Renderer, tick: &dyn Fn()) -> Result<()> {
+        let layout = board::board_layout(&set.plane);
+        let draw = |frame: usize| {
+            renderer.expose_canvas(&renderer.board_frame(&layout, &self.places[frame]), "calibration", frame)
+        };
+        film::write_film(path, &set.camera, &Frames { count: self.frame_count(), draw: &draw }, tick)
     }
 }

@@ -29,18 +29,18 @@ pub(crate) struct RestObservation {
 }
 
 /// Nominal places of the marks: on the back, above the sheet, m.
-pub fn marks(tail: &Tail, set: &settings::Specimen) -> Vec<(String, Point3)> {
-    let place = |(i, x): (usize, &Metre)| (format!("m{}", i + 1), tail.back_point(*x));
-    set.markers.iter().enumerate().map(place).collect()
+pub fn nominal_marks(tail: &Tail, set: &settings::Specimen) -> Vec<(String, Point3)> {
+    let mark = |(i, x): (usize, &Metre)| (format!("m{}", i + 1), tail.back_point(*x));
+    set.markers.iter().enumerate().map(mark).collect()
 }
 
 /// Actual places of the marks, displaced by `offset` along and across, m.
-pub(crate) fn painted(tail: &Tail, set: &settings::Specimen, offset: &[Point2]) -> Vec<(String, Point3)> {
-    let shifted = |((name, at), offset): ((String, Point3), &Point2)| {
-        let [x, y, z] = tail.back_point(at[0] + offset[0]);
+pub(crate) fn painted_marks(tail: &Tail, set: &settings::Specimen, offset: &[Point2]) -> Vec<(String, Point3)> {
+    let shifted = |((name, nominal), offset): ((String, Point3), &Point2)| {
+        let [x, y, z] = tail.back_point(nominal[0] + offset[0]);
         (name, [x, y + offset[1], z])
     };
-    marks(tail, set).into_iter().zip(offset).map(shifted).collect()
+    nominal_marks(tail, set).into_iter().zip(offset).map(shifted).collect()
 }
 
 /// Use of a trial in the study.
@@ -52,32 +52,32 @@ struct Purpose {
 
 /// The trials of a specimen: staircases on both sides in air for the identification, one in water for the static force, and flapping
 /// trials, each repeated.
-pub(crate) fn trials(set: &settings::Specimen, profile: &Profile) -> Vec<Trial> {
+pub(crate) fn planned_trials(set: &settings::Specimen, profile: &Profile) -> Vec<Trial> {
     let stairs = |side: Side, levels: &[Pascal]| Experiment::Staircase {
-        channels: vec![side.word().to_owned()],
+        channels: vec![side.channel_name().to_owned()],
         levels: levels.to_vec(),
         hold: profile.hold,
         pause: profile.pause,
     };
     let identify = Purpose { role: Role::Identify, split: None };
     let mut trials = vec![
-        trial("static_left".to_owned(), identify, Medium::Air, stairs(Side::Left, &set.levels)),
-        trial("static_right".to_owned(), identify, Medium::Air, stairs(Side::Right, &set.levels)),
+        trial_with_files("static_left".to_owned(), identify, Medium::Air, stairs(Side::Left, &set.levels)),
+        trial_with_files("static_right".to_owned(), identify, Medium::Air, stairs(Side::Right, &set.levels)),
     ];
     let wet = stairs(Side::Left, &set.levels_in_water);
     let thrust = Purpose { role: Role::Thrust, split: None };
-    trials.push(trial("static_left_water".to_owned(), thrust, Medium::Water, wet));
+    trials.push(trial_with_files("static_left_water".to_owned(), thrust, Medium::Water, wet));
     for flap in set.flaps.iter().filter(|flap| flap.brief || !profile.brief) {
-        trials.extend((1..=profile.repeats).map(|repeat| flapping(flap, profile, repeat)));
+        trials.extend((1..=profile.repeats).map(|repeat| flapping_trial(flap, profile, repeat)));
     }
     trials
 }
 
-fn flapping(flap: &settings::FlappingTrial, profile: &Profile, repeat: usize) -> Trial {
+fn flapping_trial(flap: &settings::FlappingTrial, profile: &Profile, repeat: usize) -> Trial {
     let (pressure, medium) = (flap.pressure / si::MILLIBAR, flap.medium.word());
     let id = format!("{pressure:.0}mbar_{:.0}hz_{medium}_{repeat:02}", flap.frequency);
     let experiment = Experiment::Flapping {
-        channels: crate::side::channels().to_vec(),
+        channels: crate::side::channel_names().to_vec(),
         amplitude: flap.pressure,
         frequency: flap.frequency,
         cycles: profile.cycles,
@@ -88,11 +88,11 @@ fn flapping(flap: &settings::FlappingTrial, profile: &Profile, repeat: usize) ->
         RepeatSplit::Train | RepeatSplit::Last => Split::Train,
     });
     let role = if flap.validate { Role::Validate } else { Role::Thrust };
-    trial(id, Purpose { role, split }, flap.medium, experiment)
+    trial_with_files(id, Purpose { role, split }, flap.medium, experiment)
 }
 
 /// The recordings of the load cell's fixture alone: hammer taps, and the waves after a run.
-pub(crate) fn fixtures(set: &Settings) -> Vec<Fixture> {
+pub(crate) fn fixture_recordings(set: &Settings) -> Vec<Fixture> {
     let file = |id: &str, log: &str| format!("trials/{id}/{log}.csv");
     let fixture = |id: &str, medium, of| Fixture { id: id.to_owned(), medium, force: file(id, "force"), of };
     let taps = FixtureOf::Taps { hammer: file("taps", "hammer"), count: Some(set.hammer.taps) };
@@ -100,7 +100,7 @@ pub(crate) fn fixtures(set: &Settings) -> Vec<Fixture> {
 }
 
 /// Every trial but a staircase in air has a force log.
-fn trial(id: String, purpose: Purpose, medium: Medium, experiment: Experiment) -> Trial {
+fn trial_with_files(id: String, purpose: Purpose, medium: Medium, experiment: Experiment) -> Trial {
     let Purpose { role, split } = purpose;
     let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
     let has_force = medium == Medium::Water || matches!(experiment, Experiment::Flapping { .. });
@@ -121,53 +121,56 @@ pub(crate) struct CardContent<'a> {
 }
 
 /// The whole card.
-pub(crate) fn write(content: &CardContent, observed: &RestObservation, film: &Calibration) -> Card {
+pub(crate) fn write_card(content: &CardContent, observed: &RestObservation, film: &Calibration) -> Card {
     let CardContent { name, set, tail, trials } = *content;
     let specimen = &set.specimen[name];
     Card {
         name: name.to_owned(),
         origin: Origin::VirtualBench,
         length: specimen.length,
-        solid: solids(set, specimen),
+        solid: card_solids(set, specimen),
         clamp: card::Clamp::below(specimen.clamp),
-        chamber: vec![chamber(tail, Side::Left), chamber(tail, Side::Right)],
-        marker: markers(tail, specimen, &observed.marks),
-        camera: Some(camera(set, film)),
+        chamber: vec![first_chamber(tail, Side::Left), first_chamber(tail, Side::Right)],
+        marker: card_markers(tail, specimen, &observed.marks),
+        camera: Some(card_camera(set, film)),
         water: Some(card::Water { surface: set.water.surface, index: set.water.index }),
-        led: Some(card::Led { centre: observed.lamp.0.map(rounded), radius: rounded(LAMP_FRACTION * observed.lamp.1) }),
+        led: Some(card::Led {
+            centre: observed.lamp.0.map(rounded_pixel),
+            radius: rounded_pixel(LAMP_FRACTION * observed.lamp.1),
+        }),
         trial: trials.to_vec(),
         search: None,
         tracks: Vec::new(),
-        fixture: fixtures(set),
+        fixture: fixture_recordings(set),
         log: card::Log::default(),
         tank: Some(card::Tank { length: set.tank.length, depth: set.tank.depth }),
     }
 }
 
-fn rounded(pixel: f64) -> f64 {
+fn rounded_pixel(pixel: f64) -> f64 {
     (CLICK * pixel).round() / CLICK
 }
 
-fn solids(all: &Settings, set: &settings::Specimen) -> card::Solids {
-    let solid = |file: &str, of: &settings::Material| card::Solid {
+fn card_solids(settings: &Settings, set: &settings::Specimen) -> card::Solids {
+    let solid = |file: &str, material: &settings::Material| card::Solid {
         file: Some(file.to_owned()),
         region: None,
-        material: of.nominal.law.clone(),
-        youngs_modulus: of.nominal.youngs_modulus,
-        poissons_ratio: of.nominal.poissons_ratio,
-        stiffening: of.nominal.stiffening,
-        stiffening_sigma: of.nominal.stiffening_sigma,
-        density: of.density,
-        plausible: of.nominal.plausible,
+        material: material.nominal.law.clone(),
+        youngs_modulus: material.nominal.youngs_modulus,
+        poissons_ratio: material.nominal.poissons_ratio,
+        stiffening: material.nominal.stiffening,
+        stiffening_sigma: material.nominal.stiffening_sigma,
+        density: material.density,
+        plausible: material.nominal.plausible,
     };
     let part = |name: &str, solid| card::Part { name: name.to_owned(), solid };
-    let body = part(card::BODY, solid(BODY_FILE, &all.material[&set.body]));
-    let spine = part(card::SPINE, solid(SPINE_FILE, &all.material[SHEET]));
+    let body = part(card::BODY, solid(BODY_FILE, &settings.material[&set.body]));
+    let spine = part(card::SPINE, solid(SPINE_FILE, &settings.material[SHEET]));
     card::Solids::new(card::LengthUnit::Mm, None, vec![body, spine])
 }
 
 /// The middle of the first chamber of a side.
-fn chamber(tail: &Tail, side: Side) -> card::Chamber {
+fn first_chamber(tail: &Tail, side: Side) -> card::Chamber {
     let [from, to] = tail.chamber(0);
     let x = 0.5 * (from + to);
     let (wall, sign) = match side {
@@ -177,24 +180,24 @@ fn chamber(tail: &Tail, side: Side) -> card::Chamber {
     let y = 0.5 * (tail.inner_face() + tail.half_width(x, 0.0) - wall);
     let micrometre = |x: Metre| (x * 1e6).round() / 1e6;
     card::Chamber {
-        name: side.word().to_owned(),
+        name: side.channel_name().to_owned(),
         at: [micrometre(x), sign * micrometre(y), 0.0],
-        channel: side.word().to_owned(),
+        channel: side.channel_name().to_owned(),
     }
 }
 
-fn markers(tail: &Tail, set: &settings::Specimen, observed: &[Point2]) -> Vec<card::Marker> {
+fn card_markers(tail: &Tail, set: &settings::Specimen, observed: &[Point2]) -> Vec<card::Marker> {
     let micrometre = |x: Metre| (x * 1e6).round() / 1e6;
-    let marker = |((name, at), clicked): ((String, Point3), &Point2)| card::Marker {
+    let marker = |((name, position), clicked): ((String, Point3), &Point2)| card::Marker {
         name,
-        at: at.map(micrometre),
-        clicked: Some(clicked.map(rounded)),
+        at: position.map(micrometre),
+        clicked: Some(clicked.map(rounded_pixel)),
         diameter: Some(set.marker_diameter),
     };
-    marks(tail, set).into_iter().zip(observed).map(marker).collect()
+    nominal_marks(tail, set).into_iter().zip(observed).map(marker).collect()
 }
 
-fn camera(set: &Settings, film: &Calibration) -> card::Camera {
+fn card_camera(set: &Settings, film: &Calibration) -> card::Camera {
     let plane = &set.plane;
     card::Camera {
         calibration: CALIBRATION_FILE.to_owned(),
@@ -230,7 +233,7 @@ mod tests {
         let mut own = set.specimen["nemo"].clone();
         own.flaps.truncate(1);
         own.flaps[0].split = Some(of);
-        trials(&own, &profile)
+        planned_trials(&own, &profile)
             .into_iter()
             .filter(|t| matches!(t.experiment, Experiment::Flapping { .. }))
             .map(|t| t.split)

@@ -15,7 +15,7 @@ use crate::trial::TrialTruth;
 const FOLDER: &str = "checkpoints";
 
 /// The ground truth of trial `id`, if it is complete in `folder`.
-pub(crate) fn load(folder: &Path, id: &str) -> Option<TrialTruth> {
+pub(crate) fn load_trial(folder: &Path, id: &str) -> Option<TrialTruth> {
     toml::from_str(&String::from_utf8(load_bytes(folder, &of_trial(id))?).ok()?).ok()
 }
 
@@ -23,7 +23,7 @@ pub(crate) fn load(folder: &Path, id: &str) -> Option<TrialTruth> {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(crate) fn save(folder: &Path, id: &str, truth: &TrialTruth) -> Result<()> {
+pub(crate) fn save_trial(folder: &Path, id: &str, truth: &TrialTruth) -> Result<()> {
     let text = toml::to_string(truth).expect("ground truth has only tables, numbers and strings");
     save_bytes(folder, &of_trial(id), text.as_bytes())
 }
@@ -44,15 +44,16 @@ pub(crate) fn load_bytes(folder: &Path, part: &str) -> Option<Vec<u8>> {
 pub(crate) fn save_bytes(folder: &Path, part: &str, bytes: &[u8]) -> Result<()> {
     // written under another name first: an interruption leaves no half-written checkpoint
     let unfinished = format!("{FOLDER}/{part}.unfinished");
-    folder::write(folder, &unfinished, bytes)?;
-    let to = folder.join(FOLDER).join(part);
-    std::fs::rename(folder.join(FOLDER).join(format!("{part}.unfinished")), &to).map_err(|e| folder::unusable(&to, e))
+    folder::write_file(folder, &unfinished, bytes)?;
+    let path = folder.join(FOLDER).join(part);
+    std::fs::rename(folder.join(FOLDER).join(format!("{part}.unfinished")), &path)
+        .map_err(|e| folder::unusable_path(&path, e))
 }
 
 /// Removes all checkpoints.
 ///
 /// # Errors
 /// When the folder cannot be removed.
-pub(crate) fn clear(folder: &Path) -> Result<()> {
-    folder::remove(&folder.join(FOLDER))
+pub(crate) fn clear_all(folder: &Path) -> Result<()> {
+    folder::remove_folder(&folder.join(FOLDER))
 }

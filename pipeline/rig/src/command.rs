@@ -123,15 +123,15 @@ struct Destination {
 
 impl Destination {
     /// The folder of a profile's specimens.
-    fn folder(&self, profile: &str) -> PathBuf {
+    fn recordings_folder(&self, profile: &str) -> PathBuf {
         self.into.clone().unwrap_or_else(|| raw_folder(&self.root, profile))
     }
 
     /// The folder of a workflow that records them: beside those of the profile, and inside of another folder.
-    fn workflow(&self, profile: &str) -> PathBuf {
+    fn workflow_folder(&self, profile: &str) -> PathBuf {
         match &self.into {
             Some(into) => into.join("workflow"),
-            None => base(&self.root, profile).join("workflow").join("recording"),
+            None => profile_folder(&self.root, profile).join("workflow").join("recording"),
         }
     }
 }
@@ -148,30 +148,31 @@ pub fn run() -> ExitCode {
     let set = Settings::built_in();
     match Line::parse().task {
         Task::Record { specimens, part, profile, destination } => {
-            let (into, progress) = (destination.folder(&profile), Progress::new(destination.quiet));
+            let (into, progress) = (destination.recordings_folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
-            let chosen = choose(&specimens, &profile, &set);
-            recorded(chosen, |specimen| record_one(specimen, &request, part.as_deref()))
+            let chosen = chosen_specimens(&specimens, &profile, &set);
+            record_each(chosen, |specimen| record_one(specimen, &request, part.as_deref()))
         }
         Task::Draw { count, seed, only, part, profile, destination } => {
-            let (into, progress) = (destination.folder(&profile), Progress::new(destination.quiet));
+            let (into, progress) = (destination.recordings_folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
-            let chosen = known_profile(&profile, &set).and_then(|()| numbers(count, only));
-            recorded(chosen, |number| {
-                let member = population::member(&set, Draw { seed, number });
+            let chosen = known_profile(&profile, &set).and_then(|()| chosen_numbers(count, only));
+            record_each(chosen, |number| {
+                let member = population::draw_member(&set, Draw { seed, number });
                 record_one(&member.specimen, &Request { set: &member.settings, ..request }, part.as_deref())
             })
         }
         Task::Export { what: Exported::Snakemake { specimens, draw, seed, profile, destination } } => {
-            let (into, progress) = (destination.folder(&profile), Progress::new(true));
+            let (into, progress) = (destination.recordings_folder(&profile), Progress::new(true));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
             let recordings = match draw {
-                None => choose(&specimens, &profile, &set)
-                    .map(|chosen| chosen.into_iter().map(|specimen| Recording::of(specimen, &request)).collect()),
-                Some(count) => known_profile(&profile, &set).map(|()| drawn(&request, count, seed)),
+                None => chosen_specimens(&specimens, &profile, &set).map(|chosen| {
+                    chosen.into_iter().map(|specimen| Recording::of_specimen(specimen, &request)).collect()
+                }),
+                Some(count) => known_profile(&profile, &set).map(|()| drawn_recordings(&request, count, seed)),
             };
-            let folder = destination.workflow(&profile);
-            let written = |all: Vec<Recording>| export::snakemake(&destination.root, &folder, &request, &all);
+            let folder = destination.workflow_folder(&profile);
+            let written = |all: Vec<Recording>| export::write_snakemake(&destination.root, &folder, &request, &all);
             match recordings.and_then(written) {
                 Ok(Workflow { folder, kept }) => {
                     kept.iter()
@@ -179,29 +180,29 @@ pub fn run() -> ExitCode {
                     output::line(folder.display());
                     ExitCode::SUCCESS
                 }
-                Err(error) => fail(&error, FAILURE),
+                Err(error) => report_failure(&error, FAILURE),
             }
         }
         Task::Check { root, profile, write } => {
-            match check(&set, &raw_folder(&root, &profile), write.then_some(root)) {
+            match check_bench(&set, &raw_folder(&root, &profile), write.then_some(root)) {
                 Ok(()) if output::failed() => ExitCode::from(FAILURE),
                 Ok(()) => ExitCode::SUCCESS,
-                Err(error) => fail(&error, FAILURE),
+                Err(error) => report_failure(&error, FAILURE),
             }
         }
     }
 }
 
 /// Prints the comparison for the instruments and the recordings under `raw`, and writes it under `root` if one is given.
-fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> Result<()> {
+fn check_bench(set: &Settings, raw: &Path, root: Option<PathBuf>) -> Result<()> {
     let comparisons = realism::with_recordings(set, raw)?;
-    output::text(realism::table(&comparisons));
+    output::text(realism::comparisons_table(&comparisons));
     if let Some(root) = root {
-        folder::write(&root, CHECK_TABLE, realism::csv(&comparisons).as_bytes())?;
+        folder::write_file(&root, CHECK_TABLE, realism::comparisons_csv(&comparisons).as_bytes())?;
     }
-    let known = realism::known_deviations();
-    output::text(realism::explanation(&comparisons, &known));
-    let unexplained = realism::unexplained(&comparisons, &known);
+    let deviations = realism::known_deviations();
+    output::text(realism::explanation_text(&comparisons, &deviations));
+    let unexplained = realism::unexplained_comparisons(&comparisons, &deviations);
     let Some(first) = unexplained.first() else { return Ok(()) };
     Err(Diagnostic::new(
         format!(
@@ -215,34 +216,34 @@ fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> Result<()> {
 }
 
 /// Records every one of what was chosen in parallel.
-fn recorded<T: Send>(chosen: Result<Vec<T>>, one: impl Fn(T) -> Result<()> + Sync) -> ExitCode {
+fn record_each<T: Send>(chosen: Result<Vec<T>>, one: impl Fn(T) -> Result<()> + Sync) -> ExitCode {
     let chosen = match chosen {
         Ok(chosen) => chosen,
-        Err(error) => return fail(&error, USAGE),
+        Err(error) => return report_failure(&error, USAGE),
     };
     match chosen.into_par_iter().try_for_each(&one) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => fail(&error, FAILURE),
+        Err(error) => report_failure(&error, FAILURE),
     }
 }
 
 fn record_one(specimen: &Specimen, request: &Request, part: Option<&str>) -> Result<()> {
     let Some(part) = part else {
-        let task = request.progress.begin("record", &*specimen.name, 1);
+        let task = request.progress.begin_step("record", &*specimen.name, 1);
         match record(specimen, request)? {
-            Status::Recorded => task.done(&request.into.join(&*specimen.name).display().to_string()),
-            Status::UpToDate => request.progress.line("record", &specimen.name, "up to date"),
+            Status::Recorded => task.end_step(&request.into.join(&*specimen.name).display().to_string()),
+            Status::UpToDate => request.progress.print_line("record", &specimen.name, "up to date"),
         }
         return Ok(());
     };
     if record_part(specimen, request, part)? == Status::UpToDate {
-        request.progress.line("record", &specimen.name, "up to date");
+        request.progress.print_line("record", &specimen.name, "up to date");
     }
     Ok(())
 }
 
 /// The numbers of the specimens of a population that are asked for.
-fn numbers(count: u16, only: Option<u16>) -> Result<Vec<usize>> {
+fn chosen_numbers(count: u16, only: Option<u16>) -> Result<Vec<usize>> {
     match only {
         None => Ok((1..=usize::from(count)).collect()),
         Some(number) if (1..=count).contains(&number) => Ok(vec![number.into()]),
@@ -255,47 +256,54 @@ fn numbers(count: u16, only: Option<u16>) -> Result<Vec<usize>> {
 }
 
 /// The recordings of a population.
-fn drawn(request: &Request, count: u16, seed: u64) -> Vec<Recording> {
-    let member = |number| population::member(request.set, Draw { seed, number });
-    let recording =
-        |member: population::Member| Recording::of(&member.specimen, &Request { set: &member.settings, ..*request });
+fn drawn_recordings(request: &Request, count: u16, seed: u64) -> Vec<Recording> {
+    let member = |number| population::draw_member(request.set, Draw { seed, number });
+    let recording = |member: population::Member| {
+        Recording::of_specimen(&member.specimen, &Request { set: &member.settings, ..*request })
+    };
     (1..=usize::from(count)).map(member).map(recording).collect()
 }
 
-fn fail(error: &Diagnostic, code: u8) -> ExitCode {
+fn report_failure(error: &Diagnostic, code: u8) -> ExitCode {
     output::note(format_args!("error: {error}"));
     ExitCode::from(code)
 }
 
 /// The folder of a profile's recordings under the project's folder.
 fn raw_folder(root: &Path, profile: &str) -> PathBuf {
-    base(root, profile).join("data").join("raw")
+    profile_folder(root, profile).join("data").join("raw")
 }
 
 /// The folder of all that is made in a profile.
-fn base(root: &Path, profile: &str) -> PathBuf {
+fn profile_folder(root: &Path, profile: &str) -> PathBuf {
     if profile == "paper" { root.to_owned() } else { root.join("target").join(profile) }
 }
 
 /// The specimens of these names, or those of the profile if `names` is empty.
-fn choose(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>> {
+fn chosen_specimens(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>> {
     known_profile(profile, set)?;
     let names = if names.is_empty() { &set.profile[profile].specimens } else { names };
-    let known: Vec<&str> = ALL.iter().map(|s| &*s.name).collect();
+    let known_names: Vec<&str> = ALL.iter().map(|s| &*s.name).collect();
     let find = |name: &String| {
-        ALL.iter().find(|s| s.name == **name).ok_or_else(|| unknown(&format!("the specimen `{name}`"), &known))
+        ALL.iter()
+            .find(|s| s.name == **name)
+            .ok_or_else(|| unknown_name(&format!("the specimen `{name}`"), &known_names))
     };
     names.iter().map(find).collect()
 }
 
 fn known_profile(profile: &str, set: &Settings) -> Result<()> {
-    let known: Vec<&str> = set.profile.keys().map(String::as_str).collect();
-    let refused = || unknown(&format!("the profile `{profile}`"), &known);
-    if known.contains(&profile) { Ok(()) } else { Err(refused()) }
+    let known_profiles: Vec<&str> = set.profile.keys().map(String::as_str).collect();
+    let refused = || unknown_name(&format!("the profile `{profile}`"), &known_profiles);
+    if known_profiles.contains(&profile) { Ok(()) } else { Err(refused()) }
 }
 
-fn unknown(what: &str, known: &[&str]) -> Diagnostic {
-    Diagnostic::new(format!("{what} is unknown"), format!("the bench has {}", known.join(", ")), "name one of these")
+fn unknown_name(subject: &str, known_names: &[&str]) -> Diagnostic {
+    Diagnostic::new(
+        format!("{subject} is unknown"),
+        format!("the bench has {}", known_names.join(", ")),
+        "name one of these",
+    )
 }
 
 #[cfg(test)]
@@ -307,7 +315,7 @@ mod tests {
         let set = Settings::built_in();
         let message = |names: &[&str], profile: &str| {
             let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            choose(&names, profile, &set).err().map(|error| error.to_string()).unwrap_or_default()
+            chosen_specimens(&names, profile, &set).err().map(|error| error.to_string()).unwrap_or_default()
         };
         assert!(message(&["goldfish"], "quick").contains("the bench has nemo"));
         assert!(message(&[], "slow").contains("paper, population, quick"));
@@ -316,9 +324,9 @@ mod tests {
 
     #[test]
     fn one_specimen_of_a_population_is_drawn_by_its_number() {
-        assert_eq!(numbers(3, None).unwrap(), [1, 2, 3]);
-        assert_eq!(numbers(3, Some(3)).unwrap(), [3]);
-        assert!([0, 4].iter().all(|number| numbers(3, Some(*number)).is_err()));
+        assert_eq!(chosen_numbers(3, None).unwrap(), [1, 2, 3]);
+        assert_eq!(chosen_numbers(3, Some(3)).unwrap(), [3]);
+        assert!([0, 4].iter().all(|number| chosen_numbers(3, Some(*number)).is_err()));
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub(crate) struct Recording {
 
 impl Recording {
     /// Of a specimen, as it is asked for.
-    pub(crate) fn of(specimen: &Specimen, request: &Request) -> Self {
+    pub(crate) fn of_specimen(specimen: &Specimen, request: &Request) -> Self {
         let (name, profile) = (specimen.name.to_string(), request.profile);
         let command = match specimen.draw {
             None => format!("record {name} --profile {profile}"),
@@ -38,7 +38,7 @@ impl Recording {
         };
         // neither a specimen of the bench nor a profile has a space in its name
         let command = command.split(' ').map(str::to_owned).collect();
-        Self { name, command, stamp: stamp::text(specimen, profile), trials: parts(specimen, request).1 }
+        Self { name, command, stamp: stamp::stamp_text(specimen, profile), trials: parts(specimen, request).1 }
     }
 }
 
@@ -46,12 +46,17 @@ impl Recording {
 ///
 /// # Errors
 /// A [`Diagnostic`] when a folder or file cannot be written, or the folder holds what no export wrote.
-pub(crate) fn snakemake(root: &Path, folder: &Path, request: &Request, recordings: &[Recording]) -> Result<Workflow> {
-    let whole = |path: &Path| -> Result<PathBuf> {
+pub(crate) fn write_snakemake(
+    root: &Path,
+    folder: &Path,
+    request: &Request,
+    recordings: &[Recording],
+) -> Result<Workflow> {
+    let created = |path: &Path| -> Result<PathBuf> {
         let refused = |e| Diagnostic::io(path, e, "choose another folder or correct its permissions");
         std::fs::create_dir_all(path).and_then(|()| path.canonicalize()).map_err(refused)
     };
-    let (project, here, into) = (whole(root)?, whole(folder)?, whole(request.into)?);
+    let (project, here, into) = (created(root)?, created(folder)?, created(request.into)?);
     let program = std::env::current_exe()?;
     let row = |Recording { name, command, stamp, trials }: &Recording| {
         (name.clone(), json!({ "command": command, "stamp": stamp, "trials": trials }))
@@ -62,12 +67,12 @@ pub(crate) fn snakemake(root: &Path, folder: &Path, request: &Request, recording
         "into": path_as_text(into.strip_prefix(&project).unwrap_or(&into))?,
         "recordings": recordings.iter().map(row).collect::<Map<_, _>>(),
     });
-    write_workflow(folder, [("Snakefile", &snakefile()), ("recordings.json", &as_text(&table)?)])
+    write_workflow(folder, [("Snakefile", &snakefile_text()), ("recordings.json", &as_text(&table)?)])
 }
 
 /// What jobs ask for is a wide margin over what was seen in the profile `population`: 31 s for the statics, at most 28 s for a trial, and
 /// 420 MB for two recordings side by side in one process. Parts of the paper's profile were not measured one by one.
-fn snakefile() -> String {
+fn snakefile_text() -> String {
     SNAKEFILE.replace("STATICS", STATICS).replace("CALIBRATION", CALIBRATION).replace("STAMP", stamp::FILE)
 }
 

@@ -26,7 +26,7 @@ pub(crate) struct Frames<'a> {
 ///
 /// # Errors
 /// When the encoder fails or the file cannot be written.
-pub(crate) fn write(path: &Path, set: &settings::Camera, frames: &Frames, tick: &dyn Fn()) -> Result<()> {
+pub(crate) fn write_film(path: &Path, set: &settings::Camera, frames: &Frames, tick: &dyn Fn()) -> Result<()> {
     let mut writer = Writer::create(path, (set.width, set.height), set.rate, Quality::Quantiser(set.quantiser))?;
     std::thread::scope(|scope| -> Result<()> {
         let (send, receive) = sync_channel::<Gray>(WAITING);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use diagnostics::{Diagnostic, Result, input};
 
 /// The partial folder of the recording `into/name`.
-pub(crate) fn partial(into: &Path, name: &str) -> PathBuf {
+pub(crate) fn partial_folder(into: &Path, name: &str) -> PathBuf {
     into.join(format!(".{name}.partial"))
 }
 
@@ -14,43 +14,43 @@ pub(crate) fn partial(into: &Path, name: &str) -> PathBuf {
 ///
 /// # Errors
 /// When the folder cannot be made.
-pub(crate) fn begin(at: &Path, partial: &Path, (file, stamp): (&str, &str)) -> Result<()> {
-    remove(&outdated(at))?;
-    if input::read_text(&partial.join(file), input::PAGE).is_ok_and(|found| found == stamp) {
+pub(crate) fn begin_recording(folder: &Path, partial: &Path, (file, stamp): (&str, &str)) -> Result<()> {
+    remove_folder(&outdated_folder(folder))?;
+    if input::read_text(&partial.join(file), input::PAGE).is_ok_and(|former| former == stamp) {
         return Ok(());
     }
-    remove(partial)?;
-    std::fs::create_dir_all(partial).map_err(|e| unusable(partial, e))?;
-    write(partial, file, stamp.as_bytes())
+    remove_folder(partial)?;
+    std::fs::create_dir_all(partial).map_err(|e| unusable_path(partial, e))?;
+    write_file(partial, file, stamp.as_bytes())
 }
 
 /// Replaces the folder `at` by a finished one. The caller has checked that `at` was made by the bench.
 ///
 /// # Errors
 /// When the old folder cannot be removed or the new one not renamed.
-pub(crate) fn finish(partial: &Path, at: &Path) -> Result<()> {
-    let outdated = outdated(at);
-    if at.exists() {
+pub(crate) fn finish_recording(partial: &Path, folder: &Path) -> Result<()> {
+    let outdated = outdated_folder(folder);
+    if folder.exists() {
         // A removal that is interrupted would leave a folder without its stamp, which is refused as a laboratory's.
-        std::fs::rename(at, &outdated).map_err(|e| unusable(at, e))?;
+        std::fs::rename(folder, &outdated).map_err(|e| unusable_path(folder, e))?;
     }
-    std::fs::rename(partial, at).map_err(|e| unusable(at, e))?;
-    remove(&outdated)
+    std::fs::rename(partial, folder).map_err(|e| unusable_path(folder, e))?;
+    remove_folder(&outdated)
 }
 
 /// The name of a recording that is being replaced.
-fn outdated(at: &Path) -> PathBuf {
-    at.with_file_name(format!(".{}.outdated", at.file_name().unwrap_or_default().to_string_lossy()))
+fn outdated_folder(folder: &Path) -> PathBuf {
+    folder.with_file_name(format!(".{}.outdated", folder.file_name().unwrap_or_default().to_string_lossy()))
 }
 
 /// The path of `file` (parts separated by `/`) in `folder`; its parent folder is created.
 ///
 /// # Errors
 /// When the parent folder cannot be created.
-pub(crate) fn prepared(folder: &Path, file: &str) -> Result<PathBuf> {
+pub(crate) fn prepared_path(folder: &Path, file: &str) -> Result<PathBuf> {
     let path = file.split('/').fold(folder.to_owned(), |path, part| path.join(part));
     let parent = path.parent().unwrap_or(folder);
-    std::fs::create_dir_all(parent).map_err(|e| unusable(parent, e))?;
+    std::fs::create_dir_all(parent).map_err(|e| unusable_path(parent, e))?;
     Ok(path)
 }
 
@@ -58,24 +58,24 @@ pub(crate) fn prepared(folder: &Path, file: &str) -> Result<PathBuf> {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(crate) fn write(folder: &Path, file: &str, bytes: &[u8]) -> Result<()> {
-    let path = prepared(folder, file)?;
-    std::fs::write(&path, bytes).map_err(|e| unusable(&path, e))
+pub(crate) fn write_file(folder: &Path, file: &str, bytes: &[u8]) -> Result<()> {
+    let path = prepared_path(folder, file)?;
+    std::fs::write(&path, bytes).map_err(|e| unusable_path(&path, e))
 }
 
 /// Removes `folder` if it exists.
 ///
 /// # Errors
 /// When it exists and cannot be removed.
-pub(crate) fn remove(folder: &Path) -> Result<()> {
+pub(crate) fn remove_folder(folder: &Path) -> Result<()> {
     match std::fs::remove_dir_all(folder) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(unusable(folder, e)),
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(unusable_path(folder, e)),
         _ => Ok(()),
     }
 }
 
 /// A file or folder that cannot be used.
-pub(crate) fn unusable(path: &Path, error: std::io::Error) -> Diagnostic {
+pub(crate) fn unusable_path(path: &Path, error: std::io::Error) -> Diagnostic {
     Diagnostic::io(path, error, "check the permissions and the free space of its folder")
 }
 
@@ -86,31 +86,31 @@ mod tests {
     #[test]
     fn what_was_begun_is_taken_up_with_the_same_stamp_alone() {
         let into = std::env::temp_dir().join(format!("rig-begin-{}", std::process::id()));
-        let (at, partial) = (into.join("tail"), partial(&into, "tail"));
+        let (at, partial) = (into.join("tail"), partial_folder(&into, "tail"));
         let begun = |stamp| {
-            begin(&at, &partial, ("stamp", stamp)).unwrap();
+            begin_recording(&at, &partial, ("stamp", stamp)).unwrap();
             partial.join("film.mp4").exists()
         };
         assert!(!begun("old"));
-        write(&partial, "film.mp4", b"half").unwrap();
+        write_file(&partial, "film.mp4", b"half").unwrap();
         assert!(begun("old"));
         assert!(!begun("new"));
         assert_eq!(std::fs::read_to_string(partial.join("stamp")).unwrap(), "new");
-        remove(&into).unwrap();
+        remove_folder(&into).unwrap();
     }
 
     #[test]
     fn a_replacement_that_was_interrupted_leaves_nothing_of_the_old_recording() {
         let into = std::env::temp_dir().join(format!("rig-replace-{}", std::process::id()));
         let at = into.join("tail");
-        write(&into.join(".tail.outdated"), "film.mp4", b"old").unwrap();
-        let partial = partial(&into, "tail");
-        begin(&at, &partial, ("stamp", "new")).unwrap();
+        write_file(&into.join(".tail.outdated"), "film.mp4", b"old").unwrap();
+        let partial = partial_folder(&into, "tail");
+        begin_recording(&at, &partial, ("stamp", "new")).unwrap();
         assert!(!into.join(".tail.outdated").exists());
-        write(&at, "film.mp4", b"old").unwrap();
-        finish(&partial, &at).unwrap();
+        write_file(&at, "film.mp4", b"old").unwrap();
+        finish_recording(&partial, &at).unwrap();
         assert_eq!(std::fs::read_to_string(at.join("stamp")).unwrap(), "new");
         assert_eq!(std::fs::read_dir(&into).unwrap().count(), 1);
-        remove(&into).unwrap();
+        remove_folder(&into).unwrap();
     }
 }

@@ -31,11 +31,11 @@ const TRUE_RATE: Hertz = 120.0;
 
 /// The fixture of a specimen's seed.
 fn fixture_of(set: &Settings, seed: u64) -> Oscillator {
-    fixture::drawn(&set.cell, &mut RandomStream::new(seed, "fixture"))
+    fixture::draw_fixture(&set.cell, &mut RandomStream::new(seed, "fixture"))
 }
 
 /// The true load cell and tank of a specimen's seed.
-pub(crate) fn truth(set: &Settings, seed: u64) -> TrueCell {
+pub(crate) fn true_cell(set: &Settings, seed: u64) -> TrueCell {
     let fixture = fixture_of(set, seed);
     TrueCell {
         mass: fixture.mass,
@@ -43,7 +43,7 @@ pub(crate) fn truth(set: &Settings, seed: u64) -> TrueCell {
         stiffness: fixture.stiffness,
         tank_length: set.tank.length,
         tank_depth: set.tank.depth,
-        tank_frequencies: tank::MODES.map(|mode| tank::frequency(&set.tank, mode)),
+        tank_frequencies: tank::MODES.map(|mode| tank::mode_frequency(&set.tank, mode)),
     }
 }
 
@@ -58,28 +58,29 @@ pub(crate) fn record_trial(bench: &Bench, run: &TrialRun, folder: &Path) -> Resu
         .pneumatics
         .sides
         .each_ref()
-        .map(|side| DelayedPressure::of(&set.buoyancy, [0.0, script.length], &|t| side.at(t)));
+        .map(|side| DelayedPressure::of_pressure(&set.buoyancy, [0.0, script.length], &|t| side.at(t)));
     let static_force = |t: Second| {
-        let side = |p: &DelayedPressure| buoyancy::static_force(&set.buoyancy, bench.name, trial.medium, p.at(t));
+        let side =
+            |p: &DelayedPressure| buoyancy::static_force(&set.buoyancy, bench.name, trial.medium, p.pressure_at(t));
         delayed.iter().map(side).sum::<f64>()
     };
     let pull = |t| run.motion.pull(t);
     let mut random = RandomStream::new(bench.seed, &format!("force {}", trial.id));
-    let clock = cell::clock(&set.cell, &mut random);
+    let clock = cell::draw_clock(&set.cell, &mut random);
     let waves = match (trial.medium, &trial.experiment) {
         (Medium::Water, Experiment::Flapping { .. }) => {
             let amplitudes = &mut RandomStream::new(bench.seed, &format!("waves {}", trial.id));
-            DrivenWaves::of(&set.tank, [script.led_on, script.led_off], &pull, amplitudes)
+            DrivenWaves::of_run(&set.tank, [script.led_on, script.led_off], &pull, amplitudes)
         }
-        _ => DrivenWaves::none(),
+        _ => DrivenWaves::no_waves(),
     };
-    let beside = |t| static_force(t) + waves.at(t);
+    let other_force = |t| static_force(t) + waves.force_at(t);
     let end = script.length + AFTERWARDS;
     let fixture = fixture_of(set, bench.seed);
-    let cell_run = Run { id: &trial.id, fixture, clock, pull: &pull, beside: &beside, medium: trial.medium, end };
-    let (mut log, truth) = cell::record(&set.cell, &cell_run, &mut random);
-    log.led = cell::lamp(&set.cell, clock, &log.time, script);
-    folder::write(folder, file, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
+    let cell_run = Run { id: &trial.id, fixture, clock, pull: &pull, beside: &other_force, medium: trial.medium, end };
+    let (mut log, truth) = cell::record_run(&set.cell, &cell_run, &mut random);
+    log.led = cell::lamp_channel(&set.cell, clock, &log.time, script);
+    folder::write_file(folder, file, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     let mut forces = TrueForces::default();
     for i in 0..(script.length * TRUE_RATE) as usize {
         let t = i as f64 / TRUE_RATE;
@@ -87,10 +88,10 @@ pub(crate) fn record_trial(bench: &Bench, run: &TrialRun, folder: &Path) -> Resu
         forces.pull.push(pull(t));
         forces.thrust.push(run.motion.thrust(t));
         forces.lift.push(static_force(t));
-        forces.wave.push(waves.at(t));
+        forces.wave.push(waves.force_at(t));
     }
     let parts = format!("truth/{}_forces.csv", trial.id);
-    folder::write(folder, &parts, lab::truth::write_forces(&forces, lab::VIRTUAL_BENCH).as_bytes())?;
+    folder::write_file(folder, &parts, lab::truth::write_forces(&forces, lab::VIRTUAL_BENCH).as_bytes())?;
     Ok(Some(TrueForce { forces: Some(parts), ..truth }))
 }
 
@@ -102,8 +103,8 @@ pub(crate) fn record_fixture(set: &Settings, seed: u64, fixture: &Fixture, folde
     let mut random = RandomStream::new(seed, &format!("force {}", fixture.id));
     let recording = FixtureRecording { set, seed, fixture, folder };
     match &fixture.of {
-        FixtureOf::Taps { hammer, .. } => recording.taps(hammer, &mut random),
-        FixtureOf::StillWater => recording.still_water(&mut random),
+        FixtureOf::Taps { hammer, .. } => recording.record_taps(hammer, &mut random),
+        FixtureOf::StillWater => recording.record_still_water(&mut random),
     }
 }
 
@@ -116,38 +117,38 @@ struct FixtureRecording<'a> {
 }
 
 impl FixtureRecording<'_> {
-    fn taps(&self, hammer: &str, random: &mut RandomStream) -> Result<TrueForce> {
+    fn record_taps(&self, hammer: &str, random: &mut RandomStream) -> Result<TrueForce> {
         let set = &self.set.hammer;
-        let taps = HammerTaps::drawn(set, random);
-        let clock = cell::clock(&self.set.cell, random);
+        let taps = HammerTaps::draw_taps(set, random);
+        let clock = cell::draw_clock(&self.set.cell, random);
         let end = set.every * (set.taps + 1) as f64;
-        let truth = self.write(&Run { pull: &|t| taps.at(t), ..self.unloaded(clock, end) }, random)?;
-        let log = taps.log(set, clock, end, random);
-        folder::write(self.folder, hammer, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
-        Ok(TrueForce { taps: taps.truth(), ..truth })
+        let truth = self.write_log(&Run { pull: &|t| taps.force_at(t), ..self.unloaded_run(clock, end) }, random)?;
+        let log = taps.hammer_log(set, clock, end, random);
+        folder::write_file(self.folder, hammer, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
+        Ok(TrueForce { taps: taps.true_taps(), ..truth })
     }
 
     /// The log begins at true time 0, `wait` (s) after the end of the run that excited the waves.
-    fn still_water(&self, random: &mut RandomStream) -> Result<TrueForce> {
-        let before = &self.set.still_water;
-        let (start, length) = (random.unit(), before.run + random.unit() / before.frequency);
-        let force = |t: Second| before.force * (TAU * (before.frequency * t + start)).sin();
+    fn record_still_water(&self, random: &mut RandomStream) -> Result<TrueForce> {
+        let run = &self.set.still_water;
+        let (start, length) = (random.unit(), run.run + random.unit() / run.frequency);
+        let force = |t: Second| run.force * (TAU * (run.frequency * t + start)).sin();
         let waves = FreeWaves::after_run(&self.set.tank, length, &force, random);
-        let clock = Clock { offset: 0.0, ..cell::clock(&self.set.cell, random) };
-        let beside = |t: Second| waves.at(t + before.wait);
-        let truth = self.write(&Run { beside: &beside, ..self.unloaded(clock, before.length) }, random)?;
-        Ok(TrueForce { waves: waves.truth_at(before.wait), ..truth })
+        let clock = Clock { offset: 0.0, ..cell::draw_clock(&self.set.cell, random) };
+        let wave_force = |t: Second| waves.force_at(t + run.wait);
+        let truth = self.write_log(&Run { beside: &wave_force, ..self.unloaded_run(clock, run.length) }, random)?;
+        Ok(TrueForce { waves: waves.truth_at(run.wait), ..truth })
     }
 
     /// A run without any force.
-    fn unloaded(&self, clock: Clock, end: Second) -> Run<'_> {
+    fn unloaded_run(&self, clock: Clock, end: Second) -> Run<'_> {
         let (id, medium, fixture) = (&self.fixture.id, self.fixture.medium, fixture_of(self.set, self.seed));
         Run { id, fixture, clock, pull: &|_| 0.0, beside: &|_| 0.0, medium, end }
     }
 
-    fn write(&self, run: &Run, random: &mut RandomStream) -> Result<TrueForce> {
-        let (log, truth) = cell::record(&self.set.cell, run, random);
-        folder::write(self.folder, &self.fixture.force, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
+    fn write_log(&self, run: &Run, random: &mut RandomStream) -> Result<TrueForce> {
+        let (log, truth) = cell::record_run(&self.set.cell, run, random);
+        folder::write_file(self.folder, &self.fixture.force, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
         Ok(truth)
     }
 }

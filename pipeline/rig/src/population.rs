@@ -25,36 +25,40 @@ const SEEDS: u64 = 1_000_003;
 ///
 /// # Panics
 /// When `[population] like` names no specimen of the bench, which a test excludes.
-pub fn member(bench: &Settings, draw: Draw) -> Member {
+pub fn draw_member(bench: &Settings, draw: Draw) -> Member {
     let ranges = &bench.population;
     let design = specimens::ALL.iter().find(|s| s.name == ranges.like).expect("like names a specimen of the bench");
     let name = format!("tail_{:03}", draw.number);
     let seed = draw.seed.wrapping_mul(SEEDS).wrapping_add(draw.number as u64);
     let mut random = RandomStream::new(seed, "population");
     let mut settings = bench.clone();
-    let own = &bench.specimen[&ranges.like];
-    let silicone = silicone(&bench.material[&own.body], ranges, seed, &mut random);
-    settings.material.insert(own.body.clone(), silicone);
+    let design_settings = &bench.specimen[&ranges.like];
+    let silicone = drawn_silicone(&bench.material[&design_settings.body], ranges, seed, &mut random);
+    settings.material.insert(design_settings.body.clone(), silicone);
     let sheet = Material { seed, youngs_modulus: ranges.sheet_youngs_modulus, ..bench.material[SHEET].clone() };
     settings.material.insert(SHEET.to_owned(), sheet);
     (settings.fluid.added, settings.fluid.drag) = (ranges.added, ranges.drag);
     draw_instruments(&mut settings, ranges, &mut random);
     settings.buoyancy.water.insert(name.clone(), bench.buoyancy.water[&ranges.like].clone());
     // the flapping trials that are predicted; the others serve thrust, which a population does not learn
-    let flaps = own.flaps.iter().filter(|flap| flap.brief && flap.validate).cloned().collect();
-    settings.specimen.insert(name.clone(), Own { seed, flaps, ..own.clone() });
+    let flaps = design_settings.flaps.iter().filter(|flap| flap.brief && flap.validate).cloned().collect();
+    settings.specimen.insert(name.clone(), Own { seed, flaps, ..design_settings.clone() });
     Member { settings, specimen: Specimen { name: Cow::Owned(name), tail: design.tail, draw: Some(draw) } }
 }
 
-fn silicone(of: &Material, ranges: &Population, seed: u64, random: &mut RandomStream) -> Material {
+fn drawn_silicone(material: &Material, ranges: &Population, seed: u64, random: &mut RandomStream) -> Material {
     let (stiffer, slope) = (random.uniform(ranges.stiffening), random.uniform(ranges.branch_slope));
     Material {
         seed,
         youngs_modulus: ranges.youngs_modulus,
-        stiffening: of.stiffening.map(|coefficient| stiffer * coefficient),
-        branches: of.branches.iter().map(|[time, strength]| [*time, strength * libm::pow(*time, slope)]).collect(),
+        stiffening: material.stiffening.map(|coefficient| stiffer * coefficient),
+        branches: material
+            .branches
+            .iter()
+            .map(|[time, strength]| [*time, strength * libm::pow(*time, slope)])
+            .collect(),
         branch_factor: ranges.branch_factor,
-        ..of.clone()
+        ..material.clone()
     }
 }
 
@@ -77,7 +81,7 @@ mod tests {
     use crate::specimen::HiddenProperties;
 
     fn drawn(seed: u64, number: usize) -> (Member, HiddenProperties) {
-        let member = member(&Settings::built_in(), Draw { seed, number });
+        let member = draw_member(&Settings::built_in(), Draw { seed, number });
         let hidden = HiddenProperties::drawn(&member.settings, &member.settings.specimen[&*member.specimen.name]);
         (member, hidden)
     }

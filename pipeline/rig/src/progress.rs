@@ -29,20 +29,20 @@ impl Progress {
     }
 
     /// Begins the step `step` on `what`, of `count` parts.
-    pub(crate) fn begin(&self, step: &'static str, what: impl Into<String>, count: usize) -> Task<'_> {
-        let what = what.into();
+    pub(crate) fn begin_step(&self, step: &'static str, subject: impl Into<String>, count: usize) -> Task<'_> {
+        let subject = subject.into();
         let style = ProgressStyle::with_template("{prefix:10} {msg:24} {wide_bar} {pos}/{len} {eta:>4}");
         let bar = self.bars.as_ref().map(|bars| {
-            let bar = bars.add(ProgressBar::new(count as u64)).with_prefix(step).with_message(what.clone());
+            let bar = bars.add(ProgressBar::new(count as u64)).with_prefix(step).with_message(subject.clone());
             style.into_iter().for_each(|style| bar.set_style(style));
             bar
         });
-        Task { progress: self, bar, step, what, begun: Instant::now() }
+        Task { progress: self, bar, step, what: subject, begun: Instant::now() }
     }
 
     /// Prints one line.
-    pub(crate) fn line(&self, step: &str, what: &str, note: &str) {
-        let line = format!("{step:10} {what:24} {note}");
+    pub(crate) fn print_line(&self, step: &str, subject: &str, note: &str) {
+        let line = format!("{step:10} {subject:24} {note}");
         match &self.bars {
             Some(bars) => drop(bars.println(line)),
             None if !self.quiet => output::note(line),
@@ -53,18 +53,18 @@ impl Progress {
 
 impl Task<'_> {
     /// Counts one part.
-    pub(crate) fn tick(&self) {
+    pub(crate) fn count_part(&self) {
         if let Some(bar) = &self.bar {
             bar.inc(1);
         }
     }
 
     /// Ends the step; `note` is its result in a few words.
-    pub(crate) fn done(self, note: &str) {
+    pub(crate) fn end_step(self, note: &str) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
         let seconds = self.begun.elapsed().as_secs_f64();
-        self.progress.line(self.step, &self.what, &format!("{note:44} made {seconds:6.1} s"));
+        self.progress.print_line(self.step, &self.what, &format!("{note:44} made {seconds:6.1} s"));
     }
 }

@@ -51,27 +51,27 @@ pub struct RecordingRenderer<'a> {
 
 impl Subject {
     /// Nodes of the mesh that are visible, ascending.
-    pub fn nodes(&self) -> Vec<u32> {
-        ascending(self.skin.nodes().iter().copied().chain(self.mark_nodes()))
+    pub fn visible_nodes(&self) -> Vec<u32> {
+        in_rising_order(self.skin.skin_nodes().iter().copied().chain(self.mark_nodes()))
     }
 
     /// Nodes of the mesh that carry marks, ascending.
     pub(crate) fn mark_nodes(&self) -> Vec<u32> {
-        ascending(self.marks.iter().flat_map(Mark::nodes))
+        in_rising_order(self.marks.iter().flat_map(Mark::nodes))
     }
 }
 
-fn ascending(nodes: impl Iterator<Item = u32>) -> Vec<u32> {
+fn in_rising_order(nodes: impl Iterator<Item = u32>) -> Vec<u32> {
     nodes.collect::<std::collections::BTreeSet<u32>>().into_iter().collect()
 }
 
 impl Renderer {
     /// The renderer of a specimen: camera pose and water level are drawn with `seed`; the holder ends at x = `clamp` (m).
     pub fn new(set: &Settings, seed: u64, clamp: Metre) -> Self {
-        let camera = Camera::drawn(&set.camera, &mut RandomStream::new(seed, "camera"));
+        let camera = Camera::draw_camera(&set.camera, &mut RandomStream::new(seed, "camera"));
         let error = RandomStream::new(seed, "water").uniform(set.water.surface_error);
         let water = Water::at_rest(set.water.surface + error, set.water.index);
-        let dry = backdrop::draw(&View { camera, water: None }, &set.plane, &set.lamp);
+        let dry = backdrop::draw_backdrop(&View { camera, water: None }, &set.plane, &set.lamp);
         let sensor = Sensor::new(camera.width, camera.height, set.camera.noise, seed);
         let (plane, nudge) = (set.plane.clone(), set.causes.nudge);
         Self { camera, water, seed, set: set.water.clone(), lamp: set.lamp.clone(), clamp, plane, nudge, dry, sensor }
@@ -80,37 +80,37 @@ impl Renderer {
     /// The renderer for the recording `label`.
     pub fn of_recording(&self, medium: Medium, label: &str) -> RecordingRenderer<'_> {
         let draw = |what: &str| RandomStream::new(self.seed, &format!("{what} {label}"));
-        let camera = self.camera.perturbed(&self.nudge, &mut draw("nudge"));
+        let camera = self.camera.perturbed_camera(&self.nudge, &mut draw("nudge"));
         let at_rest = (medium == Medium::Water).then(|| self.water.clone());
-        let backdrop = backdrop::draw(&View { camera, water: at_rest }, &self.plane, &self.lamp);
+        let backdrop = backdrop::draw_backdrop(&View { camera, water: at_rest }, &self.plane, &self.lamp);
         match medium {
             Medium::Air => {
                 RecordingRenderer { view: View { camera, water: None }, renderer: self, backdrop, glints: Vec::new() }
             }
             Medium::Water => {
                 let water = self.water.rippled(&self.set, &mut draw("ripples"));
-                let glints = glints::drawn(&self.set, camera.width, camera.height, &mut draw("glints"));
+                let glints = glints::draw_glints(&self.set, camera.width, camera.height, &mut draw("glints"));
                 RecordingRenderer { view: View { camera, water: Some(water) }, renderer: self, backdrop, glints }
             }
         }
     }
 
     /// The frame of the checkerboard in air; before the sensor.
-    pub(crate) fn board(&self, board: &Board, pose: &BoardPose) -> Canvas {
+    pub(crate) fn board_frame(&self, board: &Board, pose: &BoardPose) -> Canvas {
         let mut canvas = self.dry.clone();
-        board::draw(&mut canvas, &self.camera, board, pose);
+        board::draw_board(&mut canvas, &self.camera, board, pose);
         canvas
     }
 
     /// The picture of a canvas by the sensor; `label` and `frame` select the noise.
-    pub fn expose(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
-        self.sensor.expose(canvas, label, frame)
+    pub fn expose_canvas(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
+        self.sensor.expose_canvas(canvas, label, frame)
     }
 }
 
 impl RecordingRenderer<'_> {
     /// Pose of the camera.
-    pub fn pose(&self) -> lab::truth::Pose {
+    pub fn camera_pose(&self) -> lab::truth::Pose {
         let Pose { rotation, translation } = self.view.camera.pose;
         lab::truth::Pose { rotation, translation }
     }
@@ -122,16 +122,16 @@ impl RecordingRenderer<'_> {
     }
 
     /// The frame of the tail in `motion`, the lamp at the relative brightness `lit` (0 to 1); before the sensor.
-    pub fn tail(&self, subject: &Subject, motion: &FrameMotion, lit: f64) -> Canvas {
+    pub fn tail_frame(&self, subject: &Subject, motion: &FrameMotion, lit: f64) -> Canvas {
         let (renderer, view) = (self.renderer, &self.view);
         let mut canvas = self.backdrop.clone();
-        subject.skin.draw(&mut canvas, view, motion);
-        subject.marks.iter().for_each(|mark| mark.draw(&mut canvas, view, motion));
-        backdrop::holder(&mut canvas, view, renderer.clamp);
+        subject.skin.draw_in_frame(&mut canvas, view, motion);
+        subject.marks.iter().for_each(|mark| mark.draw_in_frame(&mut canvas, view, motion));
+        backdrop::draw_holder(&mut canvas, view, renderer.clamp);
         if lit > 0.0 {
-            backdrop::light(&mut canvas, view, &renderer.lamp, lit);
+            backdrop::draw_lamp(&mut canvas, view, &renderer.lamp, lit);
         }
-        self.glints.iter().for_each(|glint| glint.draw(&mut canvas, view, motion.time));
+        self.glints.iter().for_each(|glint| glint.add_to_canvas(&mut canvas, view, motion.time));
         canvas
     }
 }

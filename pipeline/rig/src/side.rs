@@ -17,7 +17,7 @@ impl Side {
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// The name of its channel.
-    pub(crate) fn word(self) -> &'static str {
+    pub(crate) fn channel_name(self) -> &'static str {
         match self {
             Self::Left => "left",
             Self::Right => "right",
@@ -33,7 +33,7 @@ impl Side {
     }
 
     /// The other side.
-    pub(crate) fn other(self) -> Self {
+    pub(crate) fn opposite_side(self) -> Self {
         match self {
             Self::Left => Self::Right,
             Self::Right => Self::Left,
@@ -42,7 +42,7 @@ impl Side {
 
     /// The side that an experiment fills first, or alone.
     pub(crate) fn first_of(experiment: &Experiment) -> Self {
-        match experiment.channels().first().is_some_and(|channel| channel == Self::Right.word()) {
+        match experiment.channels().first().is_some_and(|channel| channel == Self::Right.channel_name()) {
             true => Self::Right,
             false => Self::Left,
         }
@@ -50,6 +50,6 @@ impl Side {
 }
 
 /// The names of the channels.
-pub(crate) fn channels() -> [String; 2] {
-    Side::BOTH.map(|side| side.word().to_owned())
+pub(crate) fn channel_names() -> [String; 2] {
+    Side::BOTH.map(|side| side.channel_name().to_owned())
 }

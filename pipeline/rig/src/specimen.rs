@@ -66,14 +66,14 @@ pub struct Debonding {
 }
 
 impl Debonding {
-    fn drawn(set: &settings::Casting, seed: u64) -> Self {
+    fn draw_stretch(set: &settings::Casting, seed: u64) -> Self {
         let mut random = RandomStream::new(seed, "debonding");
         let side = u16::from(random.unit() < 0.5);
         Self { side, place: random.unit(), chambers: set.unbonded, film: set.film }
     }
 
     /// The stretch of a tail with so many chambers; none where it is no chamber long. Behind the first chamber and before the last.
-    fn of(&self, chambers: usize) -> Option<Unbonded> {
+    fn unbonded_chambers(&self, chambers: usize) -> Option<Unbonded> {
         let places = (chambers - 1).checked_sub(self.chambers).filter(|_| self.chambers > 0)?;
         let first = 1 + ((self.place * places as f64) as usize).min(places.saturating_sub(1));
         Some(Unbonded { side: self.side, chambers: [first, first + self.chambers - 1], film: self.film })
@@ -83,40 +83,40 @@ impl Debonding {
 impl HiddenProperties {
     /// Properties drawn from the ranges of the specimen's materials, and from its own seed.
     pub fn drawn(all: &settings::Settings, set: &settings::Specimen) -> Self {
-        let (body, spine) = (properties(&all.material[&set.body]), properties(&all.material[SHEET]));
+        let (body, spine) = (draw_properties(&all.material[&set.body]), draw_properties(&all.material[SHEET]));
         let mut random = RandomStream::new(set.seed, "casting");
-        let most = all.casting.asymmetry;
+        let greatest = all.casting.asymmetry;
         let fraction = random.uniform([0.5, 1.0]);
-        let asymmetry = if random.unit() < 0.5 { fraction } else { -fraction } * most;
+        let asymmetry = if random.unit() < 0.5 { fraction } else { -fraction } * greatest;
         let mut offset = || all.casting.markers_off * random.normal();
         let marks = set.markers.iter().map(|_| [offset(), offset()]).collect();
         let sheet_offset = random.uniform([-1.0, 1.0]) * all.casting.sheet_offset;
-        let unbonded = Debonding::drawn(&all.casting, set.seed);
+        let unbonded = Debonding::draw_stretch(&all.casting, set.seed);
         Self { body, spine, asymmetry, marks, sheet_offset, unbonded }
     }
 
     /// The tail as it was cast from the nominal `tail`.
-    pub fn cast(&self, tail: &Tail) -> Tail {
+    pub fn cast_tail(&self, tail: &Tail) -> Tail {
         let [right, left] = tail.wall;
         Tail {
             wall: [right * (1.0 + self.asymmetry), left * (1.0 - self.asymmetry)],
             sheet_offset: self.sheet_offset,
-            unbonded: self.unbonded.of(tail.chambers),
+            unbonded: self.unbonded.unbonded_chambers(tail.chambers),
             ..tail.clone()
         }
     }
 }
 
 /// Drawn properties; the range of Young's modulus holds at a time after loading, the truth has it after all relaxation.
-pub(crate) fn properties(set: &settings::Material) -> Properties {
+pub(crate) fn draw_properties(set: &settings::Material) -> Properties {
     let mut random = RandomStream::new(set.seed, "hidden");
-    let (held, poissons_ratio) = (random.uniform(set.youngs_modulus), random.uniform(set.poissons_ratio));
+    let (modulus_at_time, poissons_ratio) = (random.uniform(set.youngs_modulus), random.uniform(set.poissons_ratio));
     let factor = random.uniform(set.branch_factor);
     let branch: Vec<TrueBranch> =
         set.branches.iter().map(|[time, strength]| TrueBranch { strength: factor * strength, time: *time }).collect();
-    let left = branch.iter().map(|b| b.strength * (-set.modulus_time / b.time).exp()).sum::<f64>();
+    let relaxing_part = branch.iter().map(|b| b.strength * (-set.modulus_time / b.time).exp()).sum::<f64>();
     Properties {
-        youngs_modulus: held / (1.0 + left),
+        youngs_modulus: modulus_at_time / (1.0 + relaxing_part),
         poissons_ratio,
         density: set.density,
         stiffening: set.stiffening,

@@ -26,7 +26,7 @@ pub enum FolderState {
 }
 
 /// The stamp of a recording: it changes with the settings that apply to it, its shape, the bench's version and the profile.
-pub fn text(specimen: &Specimen, profile: &str) -> String {
+pub fn stamp_text(specimen: &Specimen, profile: &str) -> String {
     let mut hash = blake3::Hasher::new();
     hash.update(settings_of(specimen, profile).as_bytes());
     hash.update(format!("{:?}", (specimen.tail)()).as_bytes());
@@ -41,21 +41,21 @@ pub fn text(specimen: &Specimen, profile: &str) -> String {
 
 /// The settings that decide the recording of a specimen. One of a population has those of its design, of the population and its draw.
 fn settings_of(specimen: &Specimen, profile: &str) -> String {
-    let mut all: toml::Table = toml::from_str(settings::TEXT).expect("the program's own settings are TOML");
-    let population = all.remove("population").expect("bench.toml has a population");
+    let mut settings: toml::Table = toml::from_str(settings::TEXT).expect("the program's own settings are TOML");
+    let population = settings.remove("population").expect("bench.toml has a population");
     match (specimen.draw, population.get("like").and_then(toml::Value::as_str)) {
-        (Some(draw), Some(like)) => format!("{}{population}{draw:?}", own_settings(all, like, profile)),
-        _ => own_settings(all, &specimen.name, profile),
+        (Some(draw), Some(like)) => format!("{}{population}{draw:?}", own_settings(settings, like, profile)),
+        _ => own_settings(settings, &specimen.name, profile),
     }
 }
 
 /// The settings that apply to one specimen in one profile, without those of the others and without comments.
 fn own_settings(mut all: toml::Table, name: &str, profile: &str) -> String {
     let body = all["specimen"][name]["body"].as_str().expect("a specimen has a silicone").to_owned();
-    retain(&mut all, &["material"], &[&body, SHEET]);
-    retain(&mut all, &["specimen"], &[name]);
-    retain(&mut all, &["profile"], &[profile]);
-    retain(&mut all, &["buoyancy", "water"], &[name]);
+    retain_keys(&mut all, &["material"], &[&body, SHEET]);
+    retain_keys(&mut all, &["specimen"], &[name]);
+    retain_keys(&mut all, &["profile"], &[profile]);
+    retain_keys(&mut all, &["buoyancy", "water"], &[name]);
     // which specimens a profile records by default changes none of their recordings
     if let Some(own) = all["profile"].get_mut(profile).and_then(toml::Value::as_table_mut) {
         own.remove("specimens");
@@ -64,8 +64,8 @@ fn own_settings(mut all: toml::Table, name: &str, profile: &str) -> String {
 }
 
 /// Removes every key but `keys` from the table at `path`.
-fn retain(all: &mut toml::Table, path: &[&str], keys: &[&str]) {
-    let table = path.iter().try_fold(all, |table, at| table.get_mut(*at)?.as_table_mut());
+fn retain_keys(settings: &mut toml::Table, path: &[&str], keys: &[&str]) {
+    let table = path.iter().try_fold(settings, |table, key| table.get_mut(*key)?.as_table_mut());
     table.expect("bench.toml has this table").retain(|other, _| keys.contains(&other));
 }
 
@@ -73,7 +73,7 @@ fn retain(all: &mut toml::Table, path: &[&str], keys: &[&str]) {
 ///
 /// # Errors
 /// When the folder exists and was not made by the bench.
-pub fn inspect(folder: &Path, text: &str) -> Result<FolderState> {
+pub fn inspect_folder(folder: &Path, text: &str) -> Result<FolderState> {
     // a workflow engine makes the folder before the job that fills it
     if std::fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none()) {
         return Ok(FolderState::Absent);
@@ -121,8 +121,9 @@ mod tests {
 
     #[test]
     fn the_draw_of_a_population_enters_the_stamps_of_its_specimens() {
-        let text =
-            |seed, number| text(&population::member(&Settings::built_in(), Draw { seed, number }).specimen, "quick");
+        let text = |seed, number| {
+            stamp_text(&population::draw_member(&Settings::built_in(), Draw { seed, number }).specimen, "quick")
+        };
         assert_eq!(text(1, 2), text(1, 2));
         assert!(text(1, 2) != text(2, 2) && text(1, 2) != text(1, 3));
         assert!(text(1, 2).contains("rig draw 2 --seed 1"));

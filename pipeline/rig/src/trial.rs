@@ -39,9 +39,9 @@ struct RunVariation {
 impl RunVariation {
     // A staircase is recorded after a rest in a room of steady temperature: its silicone is at the reference temperature and has recovered
     // from the cycles before. Flapping softens it within the first cycle, which is less than the trial's rest and is not resolved.
-    fn drawn(bench: &Bench, trial: &lab::card::Trial) -> Self {
+    fn draw_variation(bench: &Bench, trial: &lab::card::Trial) -> Self {
         let (set, mut random) = (&bench.set.causes, RandomStream::new(bench.seed, &format!("causes {}", trial.id)));
-        let mut within = |most: f64| random.uniform([-most, most]);
+        let mut within = |limit: f64| random.uniform([-limit, limit]);
         let valve = ValveDisturbance { supply: within(set.supply), jitter: set.jitter };
         let warmth = within(set.warmth);
         let moves = matches!(trial.experiment, Experiment::Flapping { .. });
@@ -53,24 +53,24 @@ impl RunVariation {
 ///
 /// # Errors
 /// When the solver does not converge or a file cannot be written.
-pub(crate) fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<TrialTruth> {
-    let place = format!("{}/{}", bench.name, trial.id);
-    let task = bench.progress.begin("trial", &place, 1);
+pub(crate) fn record_trial(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<TrialTruth> {
+    let trial_name = format!("{}/{}", bench.name, trial.id);
+    let task = bench.progress.begin_step("trial", &trial_name, 1);
     let mut random = RandomStream::new(bench.seed, &format!("trial {}", trial.id));
     let start = bench.profile.rest + random.unit() / bench.set.camera.rate;
-    let script = script::write(&trial.experiment, start, bench.profile.rest);
+    let script = script::write_script(&trial.experiment, start, bench.profile.rest);
     let clock = Clock::drawn(&bench.set.log, &mut random);
-    let variation = RunVariation::drawn(bench, trial);
+    let variation = RunVariation::draw_variation(bench, trial);
     let mut valve = RandomStream::new(bench.seed, &format!("valve {}", trial.id));
-    let pneumatics = Pneumatics::respond(&bench.set.valve, script, variation.valve, &mut valve);
-    let motion = solve(bench, trial, &pneumatics, variation.softening).map_err(|e| e.of(&place))?;
-    let log = pressure_log::record(&bench.set.log, clock, &pneumatics, &mut random);
-    folder::write(folder, &trial.pressure, lab::pressure::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
+    let pneumatics = Pneumatics::of_valve(&bench.set.valve, script, variation.valve, &mut valve);
+    let motion = solve_motion(bench, trial, &pneumatics, variation.softening).map_err(|e| e.of(&trial_name))?;
+    let log = pressure_log::record_pressures(&bench.set.log, clock, &pneumatics, &mut random);
+    folder::write_file(folder, &trial.pressure, lab::pressure::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     let run = TrialRun { trial, pneumatics: &pneumatics, motion: motion.as_ref() };
-    record_film(bench, &run, folder).map_err(|e| e.of(&place))?;
+    record_film(bench, &run, folder).map_err(|e| e.of(&trial_name))?;
     let tracks = format!("truth/{}.csv", trial.id);
-    let true_tracks = true_tracks(bench, &run).map_err(|e| e.of(&place))?;
-    folder::write(folder, &tracks, lab::truth::write_tracks(&true_tracks, lab::VIRTUAL_BENCH).as_bytes())?;
+    let true_tracks = true_tracks(bench, &run).map_err(|e| e.of(&trial_name))?;
+    folder::write_file(folder, &tracks, lab::truth::write_tracks(&true_tracks, lab::VIRTUAL_BENCH).as_bytes())?;
     let truth = TrueTrial {
         id: trial.id.clone(),
         tracks,
@@ -78,11 +78,11 @@ pub(crate) fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> 
         clock_scale: clock.scale,
         led_on: pneumatics.script.led_on,
         supply: variation.valve.supply,
-        softening: variation.softening * bench.softened(trial).map_or(1.0, |softened| softened.mean),
-        pose: Some(bench.renderer.of_recording(trial.medium, &trial.id).pose()),
+        softening: variation.softening * bench.softened_model(trial).map_or(1.0, |softened| softened.mean),
+        pose: Some(bench.renderer.of_recording(trial.medium, &trial.id).camera_pose()),
     };
     let force = force_log::record_trial(bench, &run, folder)?;
-    task.done(&format!("{} frames", frame_count(bench, &pneumatics.script)));
+    task.end_step(&format!("{} frames", frame_count(bench, &pneumatics.script)));
     Ok(TrialTruth { trial: truth, force })
 }
 
@@ -91,7 +91,7 @@ fn frame_count(bench: &Bench, script: &Script) -> usize {
 }
 
 /// The motion of the body under the chamber pressures.
-fn solve<'a>(
+fn solve_motion<'a>(
     bench: &'a Bench,
     trial: &lab::card::Trial,
     pneumatics: &Pneumatics,
@@ -106,12 +106,12 @@ fn solve<'a>(
             let side = Side::first_of(&trial.experiment);
             let index = usize::from(side == Side::Right);
             let staircase = Staircase { side, sweep: &bench.sweeps[index], trace: sides[index].clone() };
-            Ok(Box::new(model.staircase(staircase, span, fluid)?))
+            Ok(Box::new(model.simulate_staircase(staircase, span, fluid)?))
         }
         Experiment::Flapping { .. } => {
             let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
-            let conditions = Conditions { fluid, softening, softened: bench.softened(trial) };
-            Ok(Box::new(model.flapping(span, &pressures, &conditions)?))
+            let conditions = Conditions { fluid, softening, softened: bench.softened_model(trial) };
+            Ok(Box::new(model.simulate_flapping(span, &pressures, &conditions)?))
         }
     }
 }
@@ -119,17 +119,17 @@ fn solve<'a>(
 fn record_film(bench: &Bench, run: &TrialRun, folder: &Path) -> Result<()> {
     let (camera, script) = (&bench.set.camera, &run.pneumatics.script);
     let recording = bench.renderer.of_recording(run.trial.medium, &run.trial.id);
-    let visible = bench.subject.nodes();
+    let visible = bench.subject.visible_nodes();
     let draw = |frame: usize| {
         let t = frame as f64 / camera.rate;
-        let brightness = script.lamp(t + recording.lamp_delay(), 0.5 * camera.exposure);
+        let brightness = script.lamp_share(t + recording.lamp_delay(), 0.5 * camera.exposure);
         let motion = FrameMotion::sample(t, 1.0 / camera.rate, &|t| run.motion.nodes_of(t, &visible));
-        let canvas = recording.tail(bench.subject, &motion, brightness);
-        bench.renderer.expose(&canvas, &run.trial.id, frame)
+        let canvas = recording.tail_frame(bench.subject, &motion, brightness);
+        bench.renderer.expose_canvas(&canvas, &run.trial.id, frame)
     };
     let frames = Frames { count: frame_count(bench, script), draw: &draw };
     let video = run.trial.video.as_deref().expect("the bench films every trial");
-    film::write(&folder::prepared(folder, video)?, camera, &frames, &|| ())
+    film::write_film(&folder::prepared_path(folder, video)?, camera, &frames, &|| ())
 }
 
 /// The true places of every mark in every frame: the pixel at the time of its row, the point in space at the frame's time.
@@ -142,10 +142,10 @@ fn true_tracks(bench: &Bench, run: &TrialRun) -> Result<Vec<TrueTrack>> {
         let t = frame as f64 / bench.set.camera.rate;
         let motion = FrameMotion::sample(t, 1.0 / bench.set.camera.rate, &|t| run.motion.nodes_of(t, &carriers));
         for (track, mark) in tracks.iter_mut().zip(&bench.subject.marks) {
-            let pixel = mark.pixel(&recording.view, &motion).ok_or_else(|| out_of_view(&track.marker, t))?;
+            let pixel = mark.pixel_in_frame(&recording.view, &motion).ok_or_else(|| out_of_view(&track.marker, t))?;
             track.time.push(t);
             track.pixel.push(pixel);
-            track.at.push(mark.at(motion.now()));
+            track.at.push(mark.centre_position(motion.current_nodes()));
         }
     }
     Ok(tracks)

@@ -39,13 +39,13 @@ struct Piece {
 }
 
 impl Piece {
-    fn at(&self, t: Second) -> Pascal {
+    fn pressure_at(&self, t: Second) -> Pascal {
         self.target + (self.begin - self.target) * (-(t - self.start) / self.lag).exp()
     }
 
     fn at_valve(&self, t: Second) -> Pascal {
         let s = t - self.start;
-        self.at(t) + self.burst * ((-s / self.fall).exp() - (-s / self.rise).exp())
+        self.pressure_at(t) + self.burst * ((-s / self.fall).exp() - (-s / self.rise).exp())
     }
 }
 
@@ -60,33 +60,38 @@ pub struct ValveDisturbance {
 
 /// The chamber pressure under `commands` (in ascending time, from ambient pressure) in a run with `disturbance`; `random` draws the
 /// overshoot of each fill and the timing error of each switching.
-pub fn respond(valve: &Valve, commands: &[Command], disturbance: ValveDisturbance, random: &mut RandomStream) -> Trace {
+pub fn valve_response(
+    valve: &Valve,
+    commands: &[Command],
+    disturbance: ValveDisturbance,
+    random: &mut RandomStream,
+) -> Trace {
     let mut pieces: Vec<Piece> = Vec::new();
-    let (mut before, mut filled) = (0.0, f64::NEG_INFINITY);
+    let (mut previous_command, mut filled) = (0.0, f64::NEG_INFINITY);
     for command in commands {
-        let fills = command.pressure > before;
+        let fills = command.pressure > previous_command;
         let dead = if fills { dead_fill(valve, command.pressure) } else { valve.dead_exhaust };
         let last = pieces.last().map_or(f64::NEG_INFINITY, |p| p.start);
         let late = random.uniform([-disturbance.jitter, disturbance.jitter]);
         // a short pulse must not end before it has begun: pieces stay in ascending order
         let start = (command.time + dead + late).max(last);
-        let begin = pieces.last().map_or(0.0, |p| p.at(start));
+        let begin = pieces.last().map_or(0.0, |p| p.pressure_at(start));
         if fills {
             let regulated = command.pressure * (1.0 + disturbance.supply);
-            let target = settled(valve, regulated, 1.0 / (command.time - filled));
-            pieces.push(fill(valve, start, [begin, target], random.uniform(valve.overshoot)));
+            let target = settled_pressure(valve, regulated, 1.0 / (command.time - filled));
+            pieces.push(fill_piece(valve, start, [begin, target], random.uniform(valve.overshoot)));
             filled = command.time;
         } else {
-            pieces.push(exhaust(valve, start, [begin, settled(valve, command.pressure, 0.0)]));
+            pieces.push(exhaust_piece(valve, start, [begin, settled_pressure(valve, command.pressure, 0.0)]));
         }
-        before = command.pressure;
+        previous_command = command.pressure;
     }
     Trace(pieces)
 }
 
 /// A fill that overshoots by the fraction `overshoot` of its step. The burst peaks at s = ln(fall/rise) / (1/rise − 1/fall); it is
 /// scaled so that lag and burst together reach the overshoot there. The maximum of the sum differs from that by less than 1 %.
-fn fill(valve: &Valve, start: Second, [begin, target]: [Pascal; 2], overshoot: f64) -> Piece {
+fn fill_piece(valve: &Valve, start: Second, [begin, target]: [Pascal; 2], overshoot: f64) -> Piece {
     let [rise, fall] = valve.burst;
     let peak = (fall / rise).ln() / (1.0 / rise - 1.0 / fall);
     let height = (-peak / fall).exp() - (-peak / rise).exp();
@@ -94,7 +99,7 @@ fn fill(valve: &Valve, start: Second, [begin, target]: [Pascal; 2], overshoot: f
     Piece { start, begin, target, lag: valve.fill, burst, rise, fall }
 }
 
-fn exhaust(valve: &Valve, start: Second, [begin, target]: [Pascal; 2]) -> Piece {
+fn exhaust_piece(valve: &Valve, start: Second, [begin, target]: [Pascal; 2]) -> Piece {
     let [rise, fall] = valve.burst;
     let lag = valve.exhaust[0] + valve.exhaust[1] * begin.max(0.0);
     Piece { start, begin, target, lag, burst: 0.0, rise, fall }
@@ -108,30 +113,30 @@ fn dead_fill(valve: &Valve, pressure: Pascal) -> Second {
 }
 
 /// The steady pressure (Pa) under a command of `pressure` when the side is filled `rate` times a second.
-fn settled(valve: &Valve, pressure: Pascal, rate: f64) -> Pascal {
+fn settled_pressure(valve: &Valve, pressure: Pascal, rate: f64) -> Pascal {
     (pressure * (1.0 - valve.sag * rate) - valve.droop).max(0.0)
 }
 
 impl Trace {
     /// Pressure in the chamber at time `t` (s), Pa over ambient.
     pub fn at(&self, t: Second) -> Pascal {
-        self.piece(t).map_or(0.0, |piece| piece.at(t))
+        self.piece_at(t).map_or(0.0, |piece| piece.pressure_at(t))
     }
 
     /// Reading of a gauge at the valve's port at time `t` (s), Pa over ambient.
     pub(crate) fn at_valve(&self, t: Second) -> Pascal {
-        self.piece(t).map_or(0.0, |piece| piece.at_valve(t))
+        self.piece_at(t).map_or(0.0, |piece| piece.at_valve(t))
     }
 
-    fn piece(&self, t: Second) -> Option<&Piece> {
+    fn piece_at(&self, t: Second) -> Option<&Piece> {
         self.0.partition_point(|piece| piece.start <= t).checked_sub(1).map(|i| &self.0[i])
     }
 }
 
 /// The command at time `t` (s), Pa.
-pub(crate) fn commanded(commands: &[Command], t: Second) -> Pascal {
-    let given = commands.partition_point(|c| c.time <= t);
-    given.checked_sub(1).map_or(0.0, |i| commands[i].pressure)
+pub(crate) fn commanded_pressure(commands: &[Command], t: Second) -> Pascal {
+    let given_commands = commands.partition_point(|c| c.time <= t);
+    given_commands.checked_sub(1).map_or(0.0, |i| commands[i].pressure)
 }
 
 #[cfg(test)]
@@ -143,7 +148,7 @@ mod tests {
     fn wave(full: Pascal, frequency: f64, cycles: u32) -> (Vec<Command>, Trace) {
         let half = |i: u32| Command { time: f64::from(i) * 0.5 / frequency, pressure: full * f64::from((i + 1) % 2) };
         let commands: Vec<Command> = (0..2 * cycles).map(half).collect();
-        let trace = respond(
+        let trace = valve_response(
             &Settings::built_in().valve,
             &commands,
             ValveDisturbance::default(),
@@ -165,7 +170,7 @@ mod tests {
     fn the_port_pressure_overshoots_by_the_given_fraction_to_one_per_cent() {
         let valve = Settings::built_in().valve;
         for overshoot in [0.2, 0.65] {
-            let piece = fill(&valve, 0.0, [0.0, 1.0], overshoot);
+            let piece = fill_piece(&valve, 0.0, [0.0, 1.0], overshoot);
             let peak = (0..5000).map(|i| piece.at_valve(1e-5 * f64::from(i))).fold(0.0, f64::max);
             assert!((peak - 1.0 - overshoot).abs() < 0.01, "{peak}");
         }

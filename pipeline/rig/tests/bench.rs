@@ -169,9 +169,9 @@ fn a_folder_that_the_bench_did_not_make_is_an_error_and_is_not_changed() {
 #[test]
 fn a_recording_with_other_settings_or_a_missing_file_is_stale() {
     let folder = TestFolder::new("stale");
-    let stamped = stamp::text(&ALL[0], "quick");
+    let stamped = stamp::stamp_text(&ALL[0], "quick");
     std::fs::write(folder.0.join(stamp::FILE), &stamped).unwrap();
-    assert_eq!(stamp::inspect(&folder.0, &stamped).unwrap(), stamp::FolderState::Stale, "its card is missing");
-    assert_ne!(stamped, stamp::text(&ALL[0], "paper"));
-    assert_eq!(stamp::inspect(&folder.0.join("absent"), &stamped).unwrap(), stamp::FolderState::Absent);
+    assert_eq!(stamp::inspect_folder(&folder.0, &stamped).unwrap(), stamp::FolderState::Stale, "its card is missing");
+    assert_ne!(stamped, stamp::stamp_text(&ALL[0], "paper"));
+    assert_eq!(stamp::inspect_folder(&folder.0.join("absent"), &stamped).unwrap(), stamp::FolderState::Absent);
 }

@@ -19,7 +19,7 @@ fn the_first_rib_of_a_folded_side_stays_out_of_the_head() {
     let resolution = Resolution { edge: 0.006, per_chamber: 1, per_rib: 1, hexahedra: None };
     let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];
     let body = Body::new(&tail, &BodySettings { resolution: &resolution, clamp: own.clamp, laws }, &hidden).unwrap();
-    let sweep = PressureSweep::solve(&body, Side::Left, &even_pressures(2.4e4, 8), &|| ()).unwrap();
+    let sweep = PressureSweep::solve_sweep(&body, Side::Left, &even_pressures(2.4e4, 8), &|| ()).unwrap();
     let ([head, rib], rest) = (tail.chamber(0), &body.mesh.nodes);
     // the slack side is that of negative y
     let faces = body.mesh.skin.iter().filter(|face| matches!(face.on, Skin::Chamber(_)));

@@ -12,7 +12,7 @@ use rig::random::RandomStream;
 use rig::settings::{Resolution, Settings};
 use rig::specimen::{HiddenProperties, SHEET};
 use rig::specimens::ALL;
-use rig::valve::{Command, Trace, ValveDisturbance, respond};
+use rig::valve::{Command, Trace, ValveDisturbance, valve_response};
 use tail_cad::Tail;
 
 /// Marlin, whose walls are thick, on a mesh for tests.
@@ -38,20 +38,20 @@ impl Coarse {
         let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];
         let body =
             Body::new(&tail, &BodySettings { resolution: &resolution, clamp: own.clamp, laws }, &hidden).unwrap();
-        Self { tail: hidden.cast(&tail), body, set }
+        Self { tail: hidden.cast_tail(&tail), body, set }
     }
 
     /// Both sides' sweeps to 200 mbar.
     fn sweeps(&self) -> [PressureSweep; 2] {
         let pressures = even_pressures(2.0e4, 10);
-        [Side::Left, Side::Right].map(|side| PressureSweep::solve(&self.body, side, &pressures, &|| ()).unwrap())
+        [Side::Left, Side::Right].map(|side| PressureSweep::solve_sweep(&self.body, side, &pressures, &|| ()).unwrap())
     }
 
     fn flapping_model(&self) -> FlappingModel<'_> {
-        let line = CentreLine::of(&self.tail, &self.body, self.set.specimen["marlin"].clamp);
+        let line = CentreLine::of_tail(&self.tail, &self.body, self.set.specimen["marlin"].clamp);
         let sweeps = self.sweeps();
-        let reduced = FlappingModel::reduce(&self.body, &line, &sweeps, &|| ()).unwrap();
-        FlappingModel::of(&self.body, line, &sweeps, &reduced).unwrap()
+        let reduced = FlappingModel::reduce_body(&self.body, &line, &sweeps, &|| ()).unwrap();
+        FlappingModel::of_reduced_data(&self.body, line, &sweeps, &reduced).unwrap()
     }
 
     /// Both sides' pressures in a square wave, left first.
@@ -65,7 +65,8 @@ impl Coarse {
             (0..cycles).flat_map(one).collect()
         };
         let mut random = RandomStream::new(1, "valve");
-        [0.0, half].map(|late| respond(&self.set.valve, &commands(late), ValveDisturbance::default(), &mut random))
+        [0.0, half]
+            .map(|late| valve_response(&self.set.valve, &commands(late), ValveDisturbance::default(), &mut random))
     }
 
     /// The node at the fin's tip.
@@ -105,7 +106,7 @@ fn in_air_the_reduced_model_flaps_as_the_whole_body_to_two_per_cent() {
         let pressures = |t: f64| [left.at(t), right.at(t)];
         let whole = integrate(&coarse.body, &sampling(length), &pressures, &|| ()).unwrap();
         let in_air = Conditions { fluid: None, softening: 1.0, softened: None };
-        let reduced = flapping_model.flapping(span(length), &pressures, &in_air).unwrap();
+        let reduced = flapping_model.simulate_flapping(span(length), &pressures, &in_air).unwrap();
         let (size, off) = tip_difference(&coarse, &whole, &reduced, length);
         println!("{frequency} Hz: the tip moves {:.2} mm, off by {:.3} mm", size * 1e3, off * 1e3);
         assert!(size > 5e-3 && off < 0.02 * size, "{frequency} Hz: off by {off} of {size} m");
@@ -117,7 +118,7 @@ fn cycles_soften_the_silicone_where_it_is_strained_most_and_the_tail_flaps_furth
     let coarse = Coarse::marlin();
     let (flapping_model, mullins) = (coarse.flapping_model(), coarse.set.causes.mullins);
     let pressures = even_pressures(2.0e4, 10);
-    let [low, high] = [0.5e4, 2.0e4].map(|top| flapping_model.softened(&mullins, &pressures, top).unwrap());
+    let [low, high] = [0.5e4, 2.0e4].map(|top| flapping_model.softened_model(&mullins, &pressures, top).unwrap());
     let most = 1.0 / mullins.r;
     assert!(low.factors.iter().zip(&high.factors).all(|(low, high)| low >= high && *high > 1.0 - most));
     assert!(high.mean < low.mean && low.mean < 1.0);
@@ -126,7 +127,8 @@ fn cycles_soften_the_silicone_where_it_is_strained_most_and_the_tail_flaps_furth
     let [left, right] = coarse.square_wave(2.0, 1);
     let both = |t: f64| [left.at(t), right.at(t)];
     let largest = |softened| {
-        let motion = flapping_model.flapping(span(0.5), &both, &Conditions { fluid: None, softening: 1.0, softened });
+        let motion =
+            flapping_model.simulate_flapping(span(0.5), &both, &Conditions { fluid: None, softening: 1.0, softened });
         let motion = motion.unwrap();
         (0..50).map(|i| motion.nodes(0.01 * f64::from(i))[coarse.tip()][1].abs()).fold(0.0, f64::max)
     };
@@ -155,9 +157,10 @@ fn in_a_staircase_the_tail_vibrates_and_rests_as_the_whole_body() {
     let coarse = Coarse::marlin();
     let (flapping_model, sweeps) = (coarse.flapping_model(), coarse.sweeps());
     let commands = [Command { time: 0.0, pressure: 1.7e4 }, Command { time: 0.5, pressure: 0.0 }];
-    let trace = respond(&coarse.set.valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(1, "valve"));
+    let trace =
+        valve_response(&coarse.set.valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(1, "valve"));
     let staircase = Staircase { side: Side::Left, sweep: &sweeps[0], trace: trace.clone() };
-    let motion = flapping_model.staircase(staircase, span(0.8), None).unwrap();
+    let motion = flapping_model.simulate_staircase(staircase, span(0.8), None).unwrap();
     let whole = integrate(&coarse.body, &sampling(0.8), &|t| [trace.at(t), 0.0], &|| ()).unwrap();
     let (size, off) = tip_difference(&coarse, &whole, &motion, 0.8);
     let tip = coarse.tip();
@@ -176,7 +179,7 @@ fn in_water_the_reduced_model_moves_as_the_whole_body_to_two_per_cent() {
     let flapping_model = coarse.flapping_model();
     let fluid = Fluid { density: 998.0, added: 1.0, drag: 2.0 };
     let [left, right] = coarse.square_wave(2.0, 1);
-    let mut observed = ObservedWater { water: flapping_model.water(fluid), forces: Vec::new() };
+    let mut observed = ObservedWater { water: flapping_model.water_at_rest(fluid), forces: Vec::new() };
     let settings = DynamicSettings { step: STEP, scheme: Scheme::ImplicitEuler, ..DynamicSettings::default() };
     let pressures = |t: f64| coarse.body.pressures(left.at(t), right.at(t));
     let actuation = |t: f64| fem::Actuation { pressures: pressures(t) };

@@ -42,16 +42,16 @@ fn the_centroid_of_a_drawn_mark_is_the_true_pixel_to_a_hundredth() {
     let resolution = Resolution { edge: 0.004, per_chamber: 1, per_rib: 1 };
     let mesh = mesh::quadratic(&tail.mesh(&resolution).unwrap());
     let camera = Renderer::new(&set, own.seed, own.clamp).camera;
-    for (_, at) in card::marks(&tail, own) {
-        let (mark, off) = Mark::paint(&mesh, at, own.marker_diameter);
+    for (_, at) in card::nominal_marks(&tail, own) {
+        let (mark, off) = Mark::paint_on_skin(&mesh, at, own.marker_diameter);
         assert!(off < 5e-4, "{off} m off the skin"); // chords of a rib-long element under a round back
         for nodes in [mesh.nodes.clone(), bent(&mesh.nodes, 4.0), bent(&mesh.nodes, -9.0)] {
             let mut canvas = Canvas::filled(camera.width, camera.height, 255.0);
             let view = View { camera, water: None };
             let motion = FrameMotion::sample(0.0, 1.0, &|_| nodes.clone());
-            mark.draw(&mut canvas, &view, &motion);
+            mark.draw_in_frame(&mut canvas, &view, &motion);
             let (drawn, truth) = (centroid_of_darkness(&canvas), mark.pixel_at_rest(&camera, &nodes).unwrap());
-            let centre = camera.pixel(mark.at(&nodes)).unwrap();
+            let centre = camera.pixel(mark.centre_position(&nodes)).unwrap();
             assert!((drawn[0] - truth[0]).hypot(drawn[1] - truth[1]) < 0.01, "{drawn:?} {truth:?}");
             assert!((centre[0] - truth[0]).hypot(centre[1] - truth[1]) < 0.2, "{centre:?} {truth:?}");
         }
@@ -67,7 +67,7 @@ fn the_skin_covers_the_tail_and_nothing_else() {
     let camera = Renderer::new(&set, own.seed, own.clamp).camera;
     let mut canvas = Canvas::filled(camera.width, camera.height, 0.0);
     let view = View { camera, water: None };
-    Skin::new(&mesh).draw(&mut canvas, &view, &FrameMotion::sample(0.0, 1.0, &|_| mesh.nodes.clone()));
+    Skin::new(&mesh).draw_in_frame(&mut canvas, &view, &FrameMotion::sample(0.0, 1.0, &|_| mesh.nodes.clone()));
     let level = |at: Point3| {
         let [u, v] = camera.pixel(at).unwrap().map(|p| p.round() as usize);
         canvas.levels[v * canvas.width + u]
@@ -86,16 +86,16 @@ fn a_moving_mark_under_ripples_is_drawn_at_its_true_pixel_to_a_hundredth() {
     let mesh = mesh::quadratic(&tail.mesh(&Resolution { edge: 0.006, per_chamber: 1, per_rib: 1 }).unwrap());
     let renderer = Renderer::new(&set, own.seed, own.clamp);
     let recording = renderer.of_recording(Medium::Water, "test");
-    let (_, at) = card::marks(&tail, own)[1];
-    let (mark, _) = Mark::paint(&mesh, at, own.marker_diameter);
+    let (_, at) = card::nominal_marks(&tail, own)[1];
+    let (mark, _) = Mark::paint_on_skin(&mesh, at, own.marker_diameter);
     let oscillation = |t: f64| bent(&mesh.nodes, 8.0 * (25.0 * t).sin() + 1e-6);
     for frame in 0..6 {
         let motion = FrameMotion::sample(0.1 + f64::from(frame) / 60.0, 1.0 / 60.0, &oscillation);
         let mut canvas = Canvas::filled(renderer.camera.width, renderer.camera.height, 255.0);
-        mark.draw(&mut canvas, &recording.view, &motion);
-        let (drawn, truth) = (centroid_of_darkness(&canvas), mark.pixel(&recording.view, &motion).unwrap());
+        mark.draw_in_frame(&mut canvas, &recording.view, &motion);
+        let (drawn, truth) = (centroid_of_darkness(&canvas), mark.pixel_in_frame(&recording.view, &motion).unwrap());
         assert!((drawn[0] - truth[0]).hypot(drawn[1] - truth[1]) < 0.01, "{drawn:?} {truth:?}");
-        let dry = mark.pixel_at_rest(&renderer.camera, motion.now()).unwrap();
+        let dry = mark.pixel_at_rest(&renderer.camera, motion.current_nodes()).unwrap();
         assert!((dry[0] - truth[0]).hypot(dry[1] - truth[1]) > 0.5, "refraction is not negligible: {dry:?} {truth:?}");
     }
 }

@@ -29,7 +29,7 @@ pub fn print() {
     let pressures = even_pressures(HIGHEST * MILLIBAR, LEVELS);
     let ticks = std::sync::Mutex::new(vec![Instant::now()]);
     let tick = || ticks.lock().expect("one thread").push(Instant::now());
-    let sweep = PressureSweep::solve(&body, Side::Left, &pressures, &tick).expect("equilibria");
+    let sweep = PressureSweep::solve_sweep(&body, Side::Left, &pressures, &tick).expect("equilibria");
     let section = Section::of(&body.mesh).expect("nodes at mid height");
     let dent = |shape: &Vec<f64>| {
         let moved = |(x, u): (&Point3, &[f64; 3])| si::vec3::add(*x, *u);

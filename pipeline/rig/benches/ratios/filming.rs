@@ -23,7 +23,7 @@ pub fn print() {
         let resolution = Resolution { edge: r.edge, per_chamber: r.per_chamber, per_rib: r.per_rib };
         let mesh = mesh::quadratic(&tail.mesh(&resolution).expect("the specimen's own shape"));
         let renderer = Renderer::new(&set, own.seed, own.clamp);
-        let paint = |x: &f64| Mark::paint(&mesh, tail.back_point(*x), own.marker_diameter).0;
+        let paint = |x: &f64| Mark::paint_on_skin(&mesh, tail.back_point(*x), own.marker_diameter).0;
         let subject = Subject { skin: Skin::new(&mesh), marks: own.markers.iter().map(paint).collect() };
         let oscillation = |t: f64| {
             let bend = 4.0 * (25.0 * t).sin();
@@ -39,10 +39,10 @@ pub fn print() {
             for frame in 0..FRAMES {
                 let start = Instant::now();
                 let motion = FrameMotion::sample(frame as f64 / set.camera.rate, 1.0 / set.camera.rate, &oscillation);
-                let canvas = recording.tail(&subject, &motion, 0.5);
+                let canvas = recording.tail_frame(&subject, &motion, 0.5);
                 drawn += start.elapsed().as_secs_f64();
                 let start = Instant::now();
-                let picture = renderer.expose(&canvas, "bench", frame);
+                let picture = renderer.expose_canvas(&canvas, "bench", frame);
                 exposed += start.elapsed().as_secs_f64();
                 let start = Instant::now();
                 writer.push(&picture).expect("an encoder");

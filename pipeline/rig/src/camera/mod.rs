@@ -30,30 +30,30 @@ pub struct Camera {
 
 impl Camera {
     /// The camera of the settings, with focal length, lens and pose drawn near their nominal values.
-    pub fn drawn(set: &settings::Camera, random: &mut RandomStream) -> Self {
+    pub fn draw_camera(set: &settings::Camera, random: &mut RandomStream) -> Self {
         let fx = random.uniform(set.focal);
-        let near = |random: &mut RandomStream, value: f64, spread: f64| value + random.uniform([-spread, spread]);
+        let drawn_near = |random: &mut RandomStream, value: f64, spread: f64| value + random.uniform([-spread, spread]);
         let lens = Lens {
             fx,
             fy: fx * set.aspect,
-            cx: near(random, set.centre[0], 3.0),
-            cy: near(random, set.centre[1], 3.0),
-            k1: near(random, set.radial[0], 0.005),
-            k2: near(random, set.radial[1], 0.002),
-            p1: near(random, set.tangential[0], 1e-4),
-            p2: near(random, set.tangential[1], 1e-4),
+            cx: drawn_near(random, set.centre[0], 3.0),
+            cy: drawn_near(random, set.centre[1], 3.0),
+            k1: drawn_near(random, set.radial[0], 0.005),
+            k2: drawn_near(random, set.radial[1], 0.002),
+            p1: drawn_near(random, set.tangential[0], 1e-4),
+            p2: drawn_near(random, set.tangential[1], 1e-4),
             k3: set.radial[2],
             ..Lens::default()
         };
-        let above = set.above.map(|x| near(random, x, 0.001));
-        let tilt = set.tilt.map(|angle| near(random, angle, 0.3).to_radians());
-        Self { lens, pose: pose_at(above, tilt), width: set.width, height: set.height, readout: set.readout }
+        let position = set.above.map(|x| drawn_near(random, x, 0.001));
+        let tilt = set.tilt.map(|angle| drawn_near(random, angle, 0.3).to_radians());
+        Self { lens, pose: pose_at(position, tilt), width: set.width, height: set.height, readout: set.readout }
     }
 
     /// The same camera with a small random translation and rotation: starting a recording by hand moves it.
-    pub fn perturbed(&self, by: &settings::PosePerturbation, random: &mut RandomStream) -> Self {
-        let mut within = |most: f64| [(); 3].map(|()| random.uniform([-most, most]));
-        let (shift, turn) = (within(by.shift), within(by.turn.to_radians()));
+    pub fn perturbed_camera(&self, perturbation: &settings::PosePerturbation, random: &mut RandomStream) -> Self {
+        let mut within = |limit: f64| [(); 3].map(|()| random.uniform([-limit, limit]));
+        let (shift, turn) = (within(perturbation.shift), within(perturbation.turn.to_radians()));
         let turn = Pose::from_vector(turn, shift);
         let rows = self.pose.rotation;
         let column = |j: usize| turn.apply(rows.map(|row| row[j]));
@@ -63,8 +63,8 @@ impl Camera {
     }
 
     /// The pixel of a point in space (m, CAD frame); none outside the lens model.
-    pub fn pixel(&self, at: Point3) -> Option<Point2> {
-        self.lens.project(self.pose.apply(at))
+    pub fn pixel(&self, point: Point3) -> Option<Point2> {
+        self.lens.project(self.pose.apply(point))
     }
 
     /// Delay of row `v` (px) after the frame's time, which is the middle row's, s.
@@ -74,13 +74,13 @@ impl Camera {
     }
 
     /// Its centre of projection, m, CAD frame.
-    pub fn eye(&self) -> Point3 {
+    pub fn centre_of_projection(&self) -> Point3 {
         self.pose.centre()
     }
 
     /// Depth of a point (m, CAD frame) in front of the camera, m.
-    pub fn depth(&self, at: Point3) -> Metre {
-        self.pose.apply(at)[2]
+    pub fn depth_of_point(&self, point: Point3) -> Metre {
+        self.pose.apply(point)[2]
     }
 
     /// The outline of a polygon in space (m), px; none if a corner has no pixel.
@@ -89,14 +89,14 @@ impl Camera {
     }
 }
 
-/// A camera at `above` (m) that looks along −z with the image axis right along +x, then rotated by `tilt` (rad) about the image axes
+/// A camera at `position` (m) that looks along −z with the image axis right along +x, then rotated by `tilt` (rad) about the image axes
 /// right, down and view.
-fn pose_at(above: Point3, tilt: Point3) -> Pose {
-    let down = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]], translation: [0.0; 3] };
+fn pose_at(position: Point3, tilt: Point3) -> Pose {
+    let upright = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]], translation: [0.0; 3] };
     let turn = Pose::from_vector(tilt, [0.0; 3]);
-    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| turn.apply(down.apply(axis)));
+    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| turn.apply(upright.apply(axis)));
     let rotation = [0, 1, 2].map(|i| columns.map(|column| column[i]));
-    let translation = vec3::scale(rotation.map(|row| vec3::dot(row, above)), -1.0);
+    let translation = vec3::scale(rotation.map(|row| vec3::dot(row, position)), -1.0);
     Pose { rotation, translation }
 }
 
@@ -114,9 +114,9 @@ mod tests {
 
     #[test]
     fn a_perturbed_camera_stays_within_the_limits_of_translation_and_rotation() {
-        let camera = Camera::drawn(&Settings::built_in().camera, &mut RandomStream::new(3, "camera"));
+        let camera = Camera::draw_camera(&Settings::built_in().camera, &mut RandomStream::new(3, "camera"));
         let by = settings::PosePerturbation { shift: 3e-4, turn: 0.05 };
-        let perturbed = camera.perturbed(&by, &mut RandomStream::new(3, "nudge"));
+        let perturbed = camera.perturbed_camera(&by, &mut RandomStream::new(3, "nudge"));
         // a rotation about the centre of projection does not move it
         let (was, is) = (camera.pose.centre(), perturbed.pose.centre());
         let moved = vec3::norm(vec3::sub(is, was));
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn the_camera_is_at_its_position_and_sees_x_to_the_right_and_y_upwards() {
-        let camera = Camera::drawn(&Settings::built_in().camera, &mut RandomStream::new(3, "camera"));
+        let camera = Camera::draw_camera(&Settings::built_in().camera, &mut RandomStream::new(3, "camera"));
         let [x, y, z] = camera.pose.centre();
         assert!((x - 0.058).abs() < 0.0011 && (y - 0.002).abs() < 0.0011 && (z - 0.205).abs() < 0.0011);
         let at = |p| camera.pixel(p).unwrap();

@@ -40,7 +40,7 @@ impl FrameMotion {
     }
 
     /// Nodes at the frame's time, m.
-    pub fn now(&self) -> &[Point3] {
+    pub fn current_nodes(&self) -> &[Point3] {
         &self.nodes[1]
     }
 
@@ -54,10 +54,10 @@ impl FrameMotion {
 
 impl View {
     /// The pixel of a point (m) at time `t` (s).
-    pub fn pixel(&self, at: Point3, t: Second) -> Option<Point2> {
+    pub fn pixel(&self, point: Point3, t: Second) -> Option<Point2> {
         match &self.water {
-            Some(water) => self.camera.pixel(water.apparent(self.camera.eye(), at, t)),
-            None => self.camera.pixel(at),
+            Some(water) => self.camera.pixel(water.apparent_point(self.camera.centre_of_projection(), point, t)),
+            None => self.camera.pixel(point),
         }
     }
 
@@ -67,9 +67,9 @@ impl View {
         for _ in 0..ITERATIONS {
             let delay = self.camera.row_delay(pixel[1]);
             let next = self.pixel(motion.interpolate(places, delay), motion.time + delay)?;
-            let moved = (next[1] - pixel[1]).abs();
+            let row_change = (next[1] - pixel[1]).abs();
             pixel = next;
-            if moved < TOLERANCE {
+            if row_change < TOLERANCE {
                 break;
             }
         }
@@ -82,15 +82,20 @@ impl View {
     pub(crate) fn project_skin(&self, motion: &FrameMotion, places: [Point3; 3]) -> Option<(Point2, Point3)> {
         let [_, y, z] = self.camera.pose.apply(places[1]);
         let delay = self.camera.row_delay(self.camera.lens.cy + self.camera.lens.fy * y / z);
-        let there = motion.interpolate(places, delay);
-        let apparent =
-            self.water.as_ref().map_or(there, |w| w.apparent_approx(self.camera.eye(), there, motion.time + delay));
-        self.camera.pixel(apparent).map(|pixel| (pixel, there))
+        let position = motion.interpolate(places, delay);
+        let apparent = self
+            .water
+            .as_ref()
+            .map_or(position, |w| w.apparent_approx(self.camera.centre_of_projection(), position, motion.time + delay));
+        self.camera.pixel(apparent).map(|pixel| (pixel, position))
     }
 
     /// The pixel of a fixed point without ripples.
     pub(crate) fn project_static(&self, at: Point3) -> Option<Point2> {
-        let apparent = self.water.as_ref().map_or(at, |w| w.without_ripples().apparent(self.camera.eye(), at, 0.0));
+        let apparent = self
+            .water
+            .as_ref()
+            .map_or(at, |w| w.without_ripples().apparent_point(self.camera.centre_of_projection(), at, 0.0));
         self.camera.pixel(apparent)
     }
 
@@ -107,7 +112,7 @@ mod tests {
     use crate::settings::Settings;
 
     fn camera() -> Camera {
-        Camera::drawn(&Settings::built_in().camera, &mut RandomStream::new(3, "camera"))
+        Camera::draw_camera(&Settings::built_in().camera, &mut RandomStream::new(3, "camera"))
     }
 
     /// A point that moves fast enough to cross 90 rows during one readout.

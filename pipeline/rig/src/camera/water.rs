@@ -65,7 +65,7 @@ impl Water {
     }
 
     /// Slope of the surface along x and y at a place (m) and time (s), rad.
-    pub fn slope(&self, [x, y]: Point2, t: Second) -> Point2 {
+    pub fn surface_slope(&self, [x, y]: Point2, t: Second) -> Point2 {
         self.waves.iter().fold([0.0; 2], |sum, wave| {
             let [kx, ky] = wave.wave_vector;
             let now = wave.slope * (kx * x + ky * y - wave.angular_frequency * t + wave.phase).cos() / kx.hypot(ky);
@@ -77,65 +77,65 @@ impl Water {
     ///
     /// It is the crossing of the ray with the surface at rest, or `at` itself above the surface. With ripples, the ray through that crossing
     /// misses `at`; the crossing is corrected by the miss once. The remaining error is of second order in the slopes.
-    pub(crate) fn apparent(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
-        if at[2] >= self.surface {
-            return at;
+    pub(crate) fn apparent_point(&self, eye: Point3, point: Point3, t: Second) -> Point3 {
+        if point[2] >= self.surface {
+            return point;
         }
-        let flat = self.crossing(eye, at);
+        let flat = self.flat_crossing(eye, point);
         if self.waves.is_empty() {
             return flat;
         }
-        let landed = self.landing(eye, flat, t, at[2]);
-        self.crossing(eye, [2.0 * at[0] - landed[0], 2.0 * at[1] - landed[1], at[2]])
+        let landed = self.landing_point(eye, flat, t, point[2]);
+        self.flat_crossing(eye, [2.0 * point[0] - landed[0], 2.0 * point[1] - landed[1], point[2]])
     }
 
     /// The same to some micrometres, in half the time: ripples displace the point by their slope times d (1 − 1/n).
-    pub(crate) fn apparent_approx(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
-        if at[2] >= self.surface {
-            return at;
+    pub(crate) fn apparent_approx(&self, eye: Point3, point: Point3, t: Second) -> Point3 {
+        if point[2] >= self.surface {
+            return point;
         }
-        let (high, deep) = (eye[2] - self.surface, self.surface - at[2]);
+        let (high, deep) = (eye[2] - self.surface, self.surface - point[2]);
         let fraction = high / (high + deep);
-        let over = [0, 1].map(|k| eye[k] + fraction * (at[k] - eye[k]));
-        let [sx, sy] = self.slope(over, t);
+        let crossing_approx = [0, 1].map(|k| eye[k] + fraction * (point[k] - eye[k]));
+        let [sx, sy] = self.surface_slope(crossing_approx, t);
         let lift = deep * (1.0 - 1.0 / self.index);
-        self.crossing(eye, [at[0] - lift * sx, at[1] - lift * sy, at[2]])
+        self.flat_crossing(eye, [point[0] - lift * sx, point[1] - lift * sy, point[2]])
     }
 
-    /// The crossing of the ray from `eye` to `at` with the flat surface.
+    /// The crossing of the ray from `eye` to `point` with the flat surface.
     ///
     /// Snell: r / √(r² + h²) = n (R − r) / √((R − r)² + d²), r measured from the point below the camera, by Newton from the paraxial r.
-    fn crossing(&self, eye: Point3, at: Point3) -> Point3 {
-        let (h, d, n) = (eye[2] - self.surface, self.surface - at[2], self.index);
-        let way = [at[0] - eye[0], at[1] - eye[1]];
-        let whole = way[0].hypot(way[1]);
-        let mut r = whole * n * h / (d + n * h);
+    fn flat_crossing(&self, eye: Point3, point: Point3) -> Point3 {
+        let (h, d, n) = (eye[2] - self.surface, self.surface - point[2], self.index);
+        let offset = [point[0] - eye[0], point[1] - eye[1]];
+        let horizontal_distance = offset[0].hypot(offset[1]);
+        let mut r = horizontal_distance * n * h / (d + n * h);
         for _ in 0..STEPS {
-            let (a, b) = ((r * r + h * h).sqrt(), ((whole - r).powi(2) + d * d).sqrt());
-            let miss = r / a - n * (whole - r) / b;
+            let (a, b) = ((r * r + h * h).sqrt(), ((horizontal_distance - r).powi(2) + d * d).sqrt());
+            let miss = r / a - n * (horizontal_distance - r) / b;
             let step = miss / (h * h / (a * a * a) + n * d * d / (b * b * b));
             r -= step;
-            if step.abs() < TOLERANCE * whole {
+            if step.abs() < TOLERANCE * horizontal_distance {
                 break;
             }
         }
-        let fraction = if whole > 0.0 { r / whole } else { 0.0 };
-        [eye[0] + fraction * way[0], eye[1] + fraction * way[1], self.surface]
+        let fraction = if horizontal_distance > 0.0 { r / horizontal_distance } else { 0.0 };
+        [eye[0] + fraction * offset[0], eye[1] + fraction * offset[1], self.surface]
     }
 
     /// The point at height `z` (m) on the ray from `eye` through the point `through` of the rippled surface.
     ///
     /// t = i / n + (c / n − √(1 − (1 − c²) / n²)) N with c = −i · N    (Snell as vectors)
-    fn landing(&self, eye: Point3, through: Point3, t: Second, z: Metre) -> Point2 {
-        let [sx, sy] = self.slope([through[0], through[1]], t);
+    fn landing_point(&self, eye: Point3, through: Point3, t: Second, z: Metre) -> Point2 {
+        let [sx, sy] = self.surface_slope([through[0], through[1]], t);
         let normal = vec3::scale([-sx, -sy, 1.0], 1.0 / (1.0 + sx * sx + sy * sy).sqrt());
         let ray = vec3::sub(through, eye);
         let ray = vec3::scale(ray, 1.0 / vec3::norm(ray));
         let (c, n) = (-vec3::dot(ray, normal), self.index);
         let along_normal = c / n - (1.0 - (1.0 - c * c) / (n * n)).sqrt();
-        let on = vec3::add(vec3::scale(ray, 1.0 / n), vec3::scale(normal, along_normal));
-        let far = (z - through[2]) / on[2];
-        [through[0] + far * on[0], through[1] + far * on[1]]
+        let refracted = vec3::add(vec3::scale(ray, 1.0 / n), vec3::scale(normal, along_normal));
+        let far = (z - through[2]) / refracted[2];
+        [through[0] + far * refracted[0], through[1] + far * refracted[1]]
     }
 }
 
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn the_crossing_minimises_the_travel_time_of_light() {
         let water = Water::at_rest(0.05, 1.333);
-        let found = water.apparent(EYE, AT, 0.0);
+        let found = water.apparent_point(EYE, AT, 0.0);
         let time = |x: f64, y: f64| {
             let there = [x, y, water.surface];
             vec3::norm(vec3::sub(there, EYE)) + water.index * vec3::norm(vec3::sub(AT, there))
@@ -169,8 +169,8 @@ mod tests {
         let water = Water::at_rest(0.05, 1.333).rippled(&set, &mut RandomStream::new(4, "ripples"));
         for i in 0..20 {
             let t = 0.07 * f64::from(i);
-            let apparent = water.apparent(EYE, AT, t);
-            let [x, y] = water.landing(EYE, apparent, t, AT[2]);
+            let apparent = water.apparent_point(EYE, AT, t);
+            let [x, y] = water.landing_point(EYE, apparent, t, AT[2]);
             // a tenth of a micrometre is 0.0005 px here
             assert!((x - AT[0]).hypot(y - AT[1]) < 1e-7, "at {t}: {} {}", x - AT[0], y - AT[1]);
         }
@@ -182,7 +182,7 @@ mod tests {
         let water = Water::at_rest(0.05, 1.333).rippled(&set, &mut RandomStream::new(4, "ripples"));
         for i in 0..20 {
             let t = 0.07 * f64::from(i);
-            let (fine, rough) = (water.apparent(EYE, AT, t), water.apparent_approx(EYE, AT, t));
+            let (fine, rough) = (water.apparent_point(EYE, AT, t), water.apparent_approx(EYE, AT, t));
             let off = (fine[0] - rough[0]).hypot(fine[1] - rough[1]);
             // of a pixel of 0.16 mm at the surface; the ripples themselves move the point by 20 µm
             assert!(off < 1.5e-5, "{off}");
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn a_point_above_the_surface_is_not_refracted() {
         let lamp = [0.13, 0.04, 0.055];
-        assert_eq!(Water::at_rest(0.05, 1.333).apparent(EYE, lamp, 1.0), lamp);
+        assert_eq!(Water::at_rest(0.05, 1.333).apparent_point(EYE, lamp, 1.0), lamp);
     }
 
     #[test]
@@ -201,7 +201,8 @@ mod tests {
         let water = Water::at_rest(0.05, 1.333).rippled(&set, &mut RandomStream::new(4, "ripples"));
         let count = 4000;
         let squares = (0..count).map(|i| {
-            let [x, y] = water.slope([0.013 * f64::from(i % 7), 0.011 * f64::from(i % 5)], 0.037 * f64::from(i));
+            let [x, y] =
+                water.surface_slope([0.013 * f64::from(i % 7), 0.011 * f64::from(i % 5)], 0.037 * f64::from(i));
             x * x + y * y
         });
         let root = (squares.sum::<f64>() / f64::from(count)).sqrt();

@@ -23,25 +23,30 @@ pub(crate) struct Amplifier {
 
 impl Amplifier {
     /// An amplifier for `samples` samples, whose noise (N) is drawn from `noise`.
-    pub(crate) fn drawn(set: &settings::Cell, noise: [Newton; 2], samples: usize, random: &mut RandomStream) -> Self {
-        let [start, ramp] = [set.ramp; 2].map(|most| random.uniform([-most, most]));
+    pub(crate) fn draw_amplifier(
+        set: &settings::Cell,
+        noise: [Newton; 2],
+        samples: usize,
+        random: &mut RandomStream,
+    ) -> Self {
+        let [start, ramp] = [set.ramp; 2].map(|limit| random.uniform([-limit, limit]));
         let step = WALK_FRACTION * set.wander / (samples.max(1) as f64).sqrt();
         let (noise, mut walk) = (random.uniform(noise), 0.0);
         let mut zero = |i: usize| {
-            let here = start + ramp * i as f64 / samples.max(1) as f64 + walk;
+            let zero_now = start + ramp * i as f64 / samples.max(1) as f64 + walk;
             walk = (walk + step * random.normal()).clamp(-set.wander, set.wander);
-            here
+            zero_now
         };
         Self { zero: (0..samples).map(&mut zero).collect(), noise, quantum: set.quantum }
     }
 
     /// The stored value of sample `i` for the force (N) on the cell.
-    pub(crate) fn store(&self, i: usize, force: Newton, random: &mut RandomStream) -> Newton {
+    pub(crate) fn stored_value(&self, i: usize, force: Newton, random: &mut RandomStream) -> Newton {
         ((force + self.zero[i] + self.noise * random.normal()) / self.quantum).round() * self.quantum
     }
 
     /// Change of the zero from the first sample to the last, N.
-    pub(crate) fn drift(&self) -> Newton {
+    pub(crate) fn zero_drift(&self) -> Newton {
         self.zero.last().zip(self.zero.first()).map_or(0.0, |(last, first)| last - first)
     }
 }
@@ -54,8 +59,11 @@ mod tests {
     #[test]
     fn the_zero_of_200_runs_drifts_up_to_45_mn_and_often_by_more_than_10() {
         let set = Settings::built_in().cell;
-        let drift =
-            |seed| Amplifier::drawn(&set, set.noise_in_air, 1600, &mut RandomStream::new(seed, "zero")).drift().abs();
+        let drift = |seed| {
+            Amplifier::draw_amplifier(&set, set.noise_in_air, 1600, &mut RandomStream::new(seed, "zero"))
+                .zero_drift()
+                .abs()
+        };
         let drifts: Vec<f64> = (0..200).map(drift).collect();
         assert!(drifts.iter().all(|d| *d < 0.045));
         assert!(drifts.iter().filter(|d| **d > 0.010).count() > 80);
@@ -65,8 +73,8 @@ mod tests {
     fn noise_has_its_standard_deviation_and_values_are_whole_millinewtons() {
         let set = Settings::built_in().cell;
         let mut random = RandomStream::new(11, "noise");
-        let amplifier = Amplifier::drawn(&set, [2e-3, 2e-3], 20_000, &mut random);
-        let stored: Vec<f64> = (0..20_000).map(|i| amplifier.store(i, 0.1, &mut random)).collect();
+        let amplifier = Amplifier::draw_amplifier(&set, [2e-3, 2e-3], 20_000, &mut random);
+        let stored: Vec<f64> = (0..20_000).map(|i| amplifier.stored_value(i, 0.1, &mut random)).collect();
         assert!(stored.iter().all(|f| (f * 1e3 - (f * 1e3).round()).abs() < 1e-9));
         let square = |(f, zero): (&f64, &f64)| (f - 0.1 - zero).powi(2);
         let deviation = (stored.iter().zip(&amplifier.zero).map(square).sum::<f64>() / 20_000.0).sqrt();

@@ -18,19 +18,19 @@ pub(crate) fn static_force(set: &settings::Buoyancy, name: &str, medium: Medium,
         Medium::Water => 1.0,
         Medium::Air => set.air,
     };
-    scale * set.water.get(name).map_or(0.0, |points| interpolate(points, pressure))
+    scale * set.water.get(name).map_or(0.0, |points| interpolate_points(points, pressure))
 }
 
 /// Piecewise linear from (0, 0), constant beyond the last point.
-fn interpolate(points: &[[f64; 2]], x: f64) -> f64 {
-    let mut before = [0.0, 0.0];
+fn interpolate_points(points: &[[f64; 2]], x: f64) -> f64 {
+    let mut previous = [0.0, 0.0];
     for point in points {
         if x < point[0] {
-            return before[1] + (point[1] - before[1]) * ((x - before[0]) / (point[0] - before[0])).max(0.0);
+            return previous[1] + (point[1] - previous[1]) * ((x - previous[0]) / (point[0] - previous[0])).max(0.0);
         }
-        before = *point;
+        previous = *point;
     }
-    before[1]
+    previous[1]
 }
 
 /// The delayed and low-pass filtered pressure that determines buoyancy, sampled at 1 kHz of true time.
@@ -42,7 +42,11 @@ pub(crate) struct DelayedPressure {
 
 impl DelayedPressure {
     /// Delays `pressure` (Pa at any time in s) from `start` to `end` (s); it is constant before `start`.
-    pub(crate) fn of(set: &settings::Buoyancy, [start, end]: [Second; 2], pressure: &dyn Fn(Second) -> Pascal) -> Self {
+    pub(crate) fn of_pressure(
+        set: &settings::Buoyancy,
+        [start, end]: [Second; 2],
+        pressure: &dyn Fn(Second) -> Pascal,
+    ) -> Self {
         let (gain, delay) = (1.0 - (-STEP / set.slow).exp(), set.lag - set.slow);
         let mut delayed = 0.0;
         let mut next = |i: usize| {
@@ -53,11 +57,11 @@ impl DelayedPressure {
     }
 
     /// At time `t` (s), linear between samples, constant beyond them; Pa.
-    pub(crate) fn at(&self, t: Second) -> Pascal {
+    pub(crate) fn pressure_at(&self, t: Second) -> Pascal {
         let last = self.pressures.len() - 1;
-        let place = ((t - self.start) / STEP).clamp(0.0, last as f64);
-        let first = (place as usize).min(last.saturating_sub(1));
-        let fraction = place - first as f64;
+        let index = ((t - self.start) / STEP).clamp(0.0, last as f64);
+        let first = (index as usize).min(last.saturating_sub(1));
+        let fraction = index - first as f64;
         self.pressures[first] * (1.0 - fraction) + self.pressures[(first + 1).min(last)] * fraction
     }
 }
@@ -73,23 +77,23 @@ mod tests {
 
     #[test]
     fn a_ramp_of_pressure_is_delayed_by_0_28_s() {
-        let late = DelayedPressure::of(&set(), [0.0, 4.0], &|t: Second| 5000.0 * t.max(0.0));
-        assert!((late.at(3.5) / 5000.0 - (3.5 - 0.28)).abs() < 1e-5, "{}", late.at(3.5));
+        let late = DelayedPressure::of_pressure(&set(), [0.0, 4.0], &|t: Second| 5000.0 * t.max(0.0));
+        assert!((late.pressure_at(3.5) / 5000.0 - (3.5 - 0.28)).abs() < 1e-5, "{}", late.pressure_at(3.5));
     }
 
     #[test]
     fn a_step_gives_an_exponential_after_its_dead_time() {
         let set = set();
-        let late = DelayedPressure::of(&set, [0.0, 4.0], &|t: Second| if t < 0.0 { 0.0 } else { 1.0 });
+        let late = DelayedPressure::of_pressure(&set, [0.0, 4.0], &|t: Second| if t < 0.0 { 0.0 } else { 1.0 });
         let since = 0.5 - (set.lag - set.slow);
-        assert!((late.at(0.5) - (1.0 - (-since / set.slow).exp())).abs() < 1e-2);
-        assert_eq!(late.at(0.2), 0.0);
+        assert!((late.pressure_at(0.5) - (1.0 - (-since / set.slow).exp())).abs() < 1e-2);
+        assert_eq!(late.pressure_at(0.2), 0.0);
     }
 
     #[test]
     fn points_are_interpolated_and_constant_beyond() {
         let points = [[1.0, 2.0], [3.0, 10.0]];
-        assert_eq!([-1.0, 0.5, 1.0, 2.0, 9.0].map(|x| interpolate(&points, x)), [0.0, 1.0, 2.0, 6.0, 10.0]);
+        assert_eq!([-1.0, 0.5, 1.0, 2.0, 9.0].map(|x| interpolate_points(&points, x)), [0.0, 1.0, 2.0, 6.0, 10.0]);
         assert_eq!(static_force(&set(), "a tail without measurements", Medium::Water, 2e4), 0.0);
     }
 }

@@ -42,28 +42,28 @@ pub(crate) struct Run<'a> {
 }
 
 /// The amplifier's clock, drawn within the settings' ranges.
-pub(crate) fn clock(set: &settings::Cell, random: &mut RandomStream) -> Clock {
+pub(crate) fn draw_clock(set: &settings::Cell, random: &mut RandomStream) -> Clock {
     let scale = 1.0 + random.uniform([-set.clock_drift, set.clock_drift]);
     Clock { offset: random.uniform(set.offset), scale }
 }
 
 /// The log of `run`, and its ground truth.
-pub(crate) fn record(set: &settings::Cell, run: &Run, random: &mut RandomStream) -> (ForceLog, TrueForce) {
+pub(crate) fn record_run(set: &settings::Cell, run: &Run, random: &mut RandomStream) -> (ForceLog, TrueForce) {
     let clock = run.clock;
     let rate = set.rates[usize::from(!set.fast)];
     let samples = ((clock.offset + clock.scale * run.end) * rate) as usize;
     let noise = if run.medium == Medium::Air { set.noise_in_air } else { set.noise_in_water };
-    let amplifier = Amplifier::drawn(set, noise, samples, random);
+    let amplifier = Amplifier::draw_amplifier(set, noise, samples, random);
     let mut log = ForceLog::default();
     let (mut fixture, mut before) = (Fixture::at_rest(run.fixture), -clock.offset / clock.scale);
     for i in 0..samples {
         let now = (i as f64 / rate - clock.offset) / clock.scale;
-        let force = transmitted(&mut fixture, run.pull, [before, now]) + (run.beside)(now);
+        let force = transmitted_force(&mut fixture, run.pull, [before, now]) + (run.beside)(now);
         log.time.push((i as f64 / rate * TIME_DIGITS).round() / TIME_DIGITS);
-        log.force.push(amplifier.store(i, force, random));
+        log.force.push(amplifier.stored_value(i, force, random));
         before = now;
     }
-    let (zero, drift) = (amplifier.zero.first().copied().unwrap_or(0.0), amplifier.drift());
+    let (zero, drift) = (amplifier.zero.first().copied().unwrap_or(0.0), amplifier.zero_drift());
     let (id, noise) = (run.id.to_owned(), amplifier.noise);
     let (clock_offset, clock_scale) = (clock.offset, clock.scale);
     let (forces, taps, waves) = (None, Vec::new(), Vec::new());
@@ -71,17 +71,17 @@ pub(crate) fn record(set: &settings::Cell, run: &Run, random: &mut RandomStream)
 }
 
 /// The lamp in the amplifier's second channel at `times` (s, its own clock): the mean over one sampling interval.
-pub(crate) fn lamp(set: &settings::Cell, clock: Clock, times: &[Second], script: &Script) -> Vec<f64> {
+pub(crate) fn lamp_channel(set: &settings::Cell, clock: Clock, times: &[Second], script: &Script) -> Vec<f64> {
     let half = 0.5 / (set.rates[usize::from(!set.fast)] * clock.scale);
-    let brightness = |t: &Second| script.lamp((t - clock.offset) / clock.scale, half);
+    let brightness = |t: &Second| script.lamp_share((t - clock.offset) / clock.scale, half);
     times.iter().map(|t| (brightness(t) * LAMP_DIGITS).round() / LAMP_DIGITS).collect()
 }
 
 /// The force that the fixture transmits at the end of an interval.
-fn transmitted(fixture: &mut Fixture, pull: &dyn Fn(Second) -> Newton, [from, to]: [Second; 2]) -> Newton {
+fn transmitted_force(fixture: &mut Fixture, pull: &dyn Fn(Second) -> Newton, [from, to]: [Second; 2]) -> Newton {
     let steps = ((to - from) / STEP).ceil().max(1.0) as usize;
     let step = (to - from).max(1e-9) / steps as f64;
-    (1..=steps).fold(0.0, |_, i| fixture.transmit(pull(from + step * i as f64), step))
+    (1..=steps).fold(0.0, |_, i| fixture.transmit_force(pull(from + step * i as f64), step))
 }
 
 #[cfg(test)]
@@ -97,7 +97,7 @@ mod tests {
     fn recorded(set: &settings::Cell, clock: Clock, pull: &dyn Fn(Second) -> Newton) -> ForceLog {
         let fixture = Oscillator::tuned(0.3, std::f64::consts::TAU * 14.0, 0.03);
         let run = Run { id: "run", fixture, clock, pull, beside: &|_| 0.0, medium: Medium::Air, end: 6.0 };
-        record(set, &run, &mut RandomStream::new(2, "cell")).0
+        record_run(set, &run, &mut RandomStream::new(2, "cell")).0
     }
 
     #[test]
@@ -136,7 +136,7 @@ mod tests {
         let clock = Clock { offset: 0.5, scale: 1.0 };
         let fixture = Oscillator::tuned(0.3, 88.0, 0.03);
         let run = Run { id: "run", fixture, clock, pull: &|_| 0.0, beside: &|_| 0.0, medium: Medium::Water, end: 3.0 };
-        let log = |seed| record(&set, &run, &mut RandomStream::new(seed, "cell")).0;
+        let log = |seed| record_run(&set, &run, &mut RandomStream::new(seed, "cell")).0;
         assert_eq!(log(4), log(4));
         assert_ne!(log(4), log(5));
     }

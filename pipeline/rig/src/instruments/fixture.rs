@@ -19,7 +19,7 @@ pub(crate) struct Fixture {
 }
 
 /// The fixture of a bench, drawn from the settings' ranges.
-pub(crate) fn drawn(set: &settings::Cell, random: &mut RandomStream) -> Oscillator {
+pub(crate) fn draw_fixture(set: &settings::Cell, random: &mut RandomStream) -> Oscillator {
     let (mass, frequency) = (random.uniform(set.mass), random.uniform(set.frequency));
     Oscillator::tuned(mass, std::f64::consts::TAU * frequency, random.uniform(set.damping_ratio))
 }
@@ -31,8 +31,8 @@ impl Fixture {
     }
 
     /// The force on the cell (N) after `step` (s), in which the force on the fixture changes linearly to `force` (N).
-    pub(crate) fn transmit(&mut self, force: Newton, step: Second) -> Newton {
-        self.state = self.oscillator.step(self.state, [self.force, force], step);
+    pub(crate) fn transmit_force(&mut self, force: Newton, step: Second) -> Newton {
+        self.state = self.oscillator.state_after(self.state, [self.force, force], step);
         self.force = force;
         self.oscillator.stiffness * self.state.displacement + self.oscillator.damping * self.state.velocity
     }
@@ -57,7 +57,7 @@ mod tests {
         let mut parts = [0.0; 2];
         for i in 1..=settle + 2000 {
             let angle = TAU * i as f64 / 2000.0;
-            let y = fixture.transmit(angle.cos(), step);
+            let y = fixture.transmit_force(angle.cos(), step);
             if i > settle {
                 parts = [parts[0] + y * angle.cos() / 1000.0, parts[1] - y * angle.sin() / 1000.0];
             }
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn a_constant_force_is_transmitted_unchanged() {
         let mut fixture = Fixture::at_rest(Oscillator::tuned(0.3, TAU * 14.0, 0.03));
-        let last = (0..20_000).map(|_| fixture.transmit(0.25, 1e-3)).last();
+        let last = (0..20_000).map(|_| fixture.transmit_force(0.25, 1e-3)).last();
         assert!((last.unwrap() - 0.25).abs() < 1e-9);
     }
 
@@ -87,7 +87,7 @@ mod tests {
     fn every_fixture_has_its_natural_frequency_at_10_to_20_hz_and_is_lightly_damped() {
         let set = settings::Settings::built_in().cell;
         for seed in 0..50 {
-            let it = drawn(&set, &mut RandomStream::new(seed, "fixture"));
+            let it = draw_fixture(&set, &mut RandomStream::new(seed, "fixture"));
             assert!((10.0..20.0).contains(&(it.omega() / TAU)), "seed {seed}");
             assert!(it.decay_and_frequency().0 / it.omega() < 0.1, "seed {seed}");
         }

@@ -44,17 +44,17 @@ impl Oscillator {
     }
 
     /// The state `step` (s) later, while the force changes linearly from `from` to `to` (N). Exact but for rounding.
-    pub(crate) fn step(&self, state: OscillatorState, [from, to]: [Newton; 2], step: Second) -> OscillatorState {
+    pub(crate) fn state_after(&self, state: OscillatorState, [from, to]: [Newton; 2], step: Second) -> OscillatorState {
         let slope = (to - from) / step;
         let offset = self.damping * slope / (self.stiffness * self.stiffness);
         let steady =
             |u: Newton| OscillatorState { displacement: u / self.stiffness - offset, velocity: slope / self.stiffness };
         let (begin, end) = (steady(from), steady(to));
-        let left = OscillatorState {
+        let deviation = OscillatorState {
             displacement: state.displacement - begin.displacement,
             velocity: state.velocity - begin.velocity,
         };
-        let free = self.free_decay(left, step);
+        let free = self.free_decay(deviation, step);
         OscillatorState { displacement: end.displacement + free.displacement, velocity: end.velocity + free.velocity }
     }
 
@@ -85,7 +85,7 @@ mod tests {
         let it = fixture();
         let ((decay, frequency), mut state) = (it.decay_and_frequency(), OscillatorState::default());
         for i in 1..=2000 {
-            state = it.step(state, [1.0, 1.0], STEP);
+            state = it.state_after(state, [1.0, 1.0], STEP);
             let t = STEP * f64::from(i);
             let ring = (-decay * t).exp() * ((frequency * t).cos() + decay / frequency * (frequency * t).sin());
             assert!((state.displacement * it.stiffness - (1.0 - ring)).abs() < 1e-10, "at {t} s");
@@ -96,10 +96,10 @@ mod tests {
     fn a_ramp_gives_the_same_state_in_one_step_and_in_a_thousand() {
         let it = fixture();
         let mut state = OscillatorState { displacement: 1e-4, velocity: -0.02 };
-        let at_once = it.step(state, [0.5, 2.5], 1.0);
+        let at_once = it.state_after(state, [0.5, 2.5], 1.0);
         for i in 0..1000 {
             let u = [f64::from(i), f64::from(i + 1)].map(|n| 0.5 + 2.0 * n * STEP);
-            state = it.step(state, u, STEP);
+            state = it.state_after(state, u, STEP);
         }
         assert!(
             (state.displacement - at_once.displacement).abs() < 1e-12

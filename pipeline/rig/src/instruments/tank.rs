@@ -23,7 +23,7 @@ pub(crate) const AFTER: Second = 1.0;
 const STEP: Second = 2e-3;
 
 /// Frequency of a mode, Hz.
-pub(crate) fn frequency(set: &settings::Tank, mode: u32) -> Hertz {
+pub(crate) fn mode_frequency(set: &settings::Tank, mode: u32) -> Hertz {
     let k = f64::from(mode) * PI / set.length;
     (GRAVITY * k * (k * set.depth).tanh()).sqrt() / TAU
 }
@@ -34,7 +34,7 @@ pub(crate) struct FreeWaves(Vec<(Oscillator, OscillatorState)>);
 
 impl FreeWaves {
     /// No waves.
-    pub(crate) fn none() -> Self {
+    pub(crate) fn no_waves() -> Self {
         Self(Vec::new())
     }
 
@@ -45,18 +45,18 @@ impl FreeWaves {
         force: &dyn Fn(Second) -> Newton,
         random: &mut RandomStream,
     ) -> Self {
-        let left = |mode: &u32| {
-            let it = Oscillator::tuned(1.0, TAU * frequency(set, *mode), set.damping_ratio);
-            let end = driven(&it, length, force);
-            let state = it.free_decay(end, AFTER);
-            (it, scaled(end, random.uniform(set.amplitude) / amplitude(&it, state)))
+        let remaining_wave = |mode: &u32| {
+            let oscillator = Oscillator::tuned(1.0, TAU * mode_frequency(set, *mode), set.damping_ratio);
+            let end = driven_state(&oscillator, length, force);
+            let state = oscillator.free_decay(end, AFTER);
+            (oscillator, scaled_state(end, random.uniform(set.amplitude) / free_amplitude(&oscillator, state)))
         };
-        Self(MODES.iter().map(left).collect())
+        Self(MODES.iter().map(remaining_wave).collect())
     }
 
     /// Force on the cell at `t` (s) after the run, N.
-    pub(crate) fn at(&self, t: Second) -> Newton {
-        self.0.iter().map(|(it, state)| it.free_decay(*state, t).displacement).sum()
+    pub(crate) fn force_at(&self, t: Second) -> Newton {
+        self.0.iter().map(|(oscillator, state)| oscillator.free_decay(*state, t).displacement).sum()
     }
 
     /// Each wave at `t` (s) after the run.
@@ -82,39 +82,42 @@ pub(crate) struct DrivenWaves {
 
 impl DrivenWaves {
     /// No waves.
-    pub(crate) fn none() -> Self {
-        Self { start: 0.0, during: Vec::new(), after: FreeWaves::none() }
+    pub(crate) fn no_waves() -> Self {
+        Self { start: 0.0, during: Vec::new(), after: FreeWaves::no_waves() }
     }
 
     /// The waves of a run from `start` to `end` (s) whose force (N) at time t (s) is `force`.
-    pub(crate) fn of(
+    pub(crate) fn of_run(
         set: &settings::Tank,
         [start, end]: [Second; 2],
         force: &dyn Fn(Second) -> Newton,
         random: &mut RandomStream,
     ) -> Self {
         let steps = ((end - start) / STEP).round() as usize;
-        let (mut during, mut left) = (vec![0.0; steps + 1], Vec::new());
+        let (mut during, mut remaining) = (vec![0.0; steps + 1], Vec::new());
         for mode in MODES {
-            let it = Oscillator::tuned(1.0, TAU * frequency(set, mode), set.damping_ratio);
-            let at = |i: usize| force(start + i as f64 * STEP);
+            let oscillator = Oscillator::tuned(1.0, TAU * mode_frequency(set, mode), set.damping_ratio);
+            let force_at_step = |i: usize| force(start + i as f64 * STEP);
             let mut states = vec![OscillatorState::default()];
-            (0..steps).for_each(|i| states.push(it.step(states[i], [at(i), at(i + 1)], STEP)));
+            (0..steps).for_each(|i| {
+                states.push(oscillator.state_after(states[i], [force_at_step(i), force_at_step(i + 1)], STEP))
+            });
             let last = states[steps];
-            let by = random.uniform(set.amplitude) / amplitude(&it, it.free_decay(last, AFTER)).max(f64::MIN_POSITIVE);
-            during.iter_mut().zip(&states).for_each(|(sum, state)| *sum += by * state.displacement);
-            left.push((it, scaled(last, by)));
+            let factor = random.uniform(set.amplitude)
+                / free_amplitude(&oscillator, oscillator.free_decay(last, AFTER)).max(f64::MIN_POSITIVE);
+            during.iter_mut().zip(&states).for_each(|(sum, state)| *sum += factor * state.displacement);
+            remaining.push((oscillator, scaled_state(last, factor)));
         }
-        Self { start, during, after: FreeWaves(left) }
+        Self { start, during, after: FreeWaves(remaining) }
     }
 
     /// Force on the cell at time `t` (s), N.
-    pub(crate) fn at(&self, t: Second) -> Newton {
-        let place = (t - self.start) / STEP;
+    pub(crate) fn force_at(&self, t: Second) -> Newton {
+        let index = (t - self.start) / STEP;
         match self.during.len().checked_sub(1) {
-            Some(last) if place >= last as f64 => self.after.at((place - last as f64) * STEP),
-            Some(_) if place >= 0.0 => {
-                let (first, fraction) = (place as usize, place.fract());
+            Some(last) if index >= last as f64 => self.after.force_at((index - last as f64) * STEP),
+            Some(_) if index >= 0.0 => {
+                let (first, fraction) = (index as usize, index.fract());
                 self.during[first] * (1.0 - fraction) + self.during[first + 1] * fraction
             }
             _ => 0.0,
@@ -122,19 +125,21 @@ impl DrivenWaves {
     }
 }
 
-fn driven(it: &Oscillator, length: Second, force: &dyn Fn(Second) -> Newton) -> OscillatorState {
+fn driven_state(oscillator: &Oscillator, length: Second, force: &dyn Fn(Second) -> Newton) -> OscillatorState {
     let steps = (length / STEP).round() as usize;
-    let at = |i: usize| force(i as f64 * STEP);
-    (0..steps).fold(OscillatorState::default(), |state, i| it.step(state, [at(i), at(i + 1)], STEP))
+    let force_at_step = |i: usize| force(i as f64 * STEP);
+    (0..steps).fold(OscillatorState::default(), |state, i| {
+        oscillator.state_after(state, [force_at_step(i), force_at_step(i + 1)], STEP)
+    })
 }
 
-fn scaled(state: OscillatorState, by: f64) -> OscillatorState {
-    OscillatorState { displacement: by * state.displacement, velocity: by * state.velocity }
+fn scaled_state(state: OscillatorState, factor: f64) -> OscillatorState {
+    OscillatorState { displacement: factor * state.displacement, velocity: factor * state.velocity }
 }
 
 /// Amplitude of a free oscillation without its decay.
-fn amplitude(it: &Oscillator, state: OscillatorState) -> f64 {
-    let (decay, angular_frequency) = it.decay_and_frequency();
+fn free_amplitude(oscillator: &Oscillator, state: OscillatorState) -> f64 {
+    let (decay, angular_frequency) = oscillator.decay_and_frequency();
     state.displacement.hypot((state.velocity + decay * state.displacement) / angular_frequency)
 }
 
@@ -155,26 +160,26 @@ mod tests {
     #[test]
     fn the_waves_of_a_run_continue_as_its_free_waves() {
         let run = |t: Second| 0.11 * (TAU * 2.0 * (t - 1.0)).sin();
-        let driven = DrivenWaves::of(&tank(), [1.0, 8.5], &run, &mut RandomStream::new(5, "tank"));
+        let driven = DrivenWaves::of_run(&tank(), [1.0, 8.5], &run, &mut RandomStream::new(5, "tank"));
         let left = waves(5, 7.5);
         for after in [0.0, 0.3, 1.0, 2.5] {
-            assert!((driven.at(8.5 + after) - left.at(after)).abs() < 1e-6, "{after} s after the run");
+            assert!((driven.force_at(8.5 + after) - left.force_at(after)).abs() < 1e-6, "{after} s after the run");
         }
-        assert!((driven.at(8.5 - 1e-9) - driven.at(8.5)).abs() < 1e-7 && driven.at(0.5) == 0.0);
+        assert!((driven.force_at(8.5 - 1e-9) - driven.force_at(8.5)).abs() < 1e-7 && driven.force_at(0.5) == 0.0);
     }
 
     #[test]
     fn shallow_and_deep_tanks_have_the_limits_of_the_dispersion_relation() {
         let of = |length, depth| settings::Tank { length, depth, ..tank() };
         let shallow = (GRAVITY * 1e-3_f64).sqrt() / (2.0 * 10.0);
-        assert!((frequency(&of(10.0, 1e-3), 1) / shallow - 1.0).abs() < 1e-6);
+        assert!((mode_frequency(&of(10.0, 1e-3), 1) / shallow - 1.0).abs() < 1e-6);
         let deep = (GRAVITY * PI / 0.45).sqrt() / TAU;
-        assert!((frequency(&of(0.45, 10.0), 1) / deep - 1.0).abs() < 1e-12);
+        assert!((mode_frequency(&of(0.45, 10.0), 1) / deep - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn the_first_two_waves_have_the_measured_frequencies() {
-        assert!((1.0..1.2).contains(&frequency(&tank(), 1)) && (1.8..2.0).contains(&frequency(&tank(), 2)));
+        assert!((1.0..1.2).contains(&mode_frequency(&tank(), 1)) && (1.8..2.0).contains(&mode_frequency(&tank(), 2)));
     }
 
     #[test]
@@ -196,7 +201,7 @@ mod tests {
     fn waves_have_their_amplitude_and_phase_and_decay() {
         let waves = waves(7, 5.0);
         let sum: f64 = waves.truth_at(AFTER).iter().map(|w| w.amplitude * w.phase.cos()).sum();
-        assert!((waves.at(AFTER) - sum).abs() < 1e-12);
+        assert!((waves.force_at(AFTER) - sum).abs() < 1e-12);
         assert!(waves.truth_at(20.0)[1].amplitude < 0.5 * waves.truth_at(0.0)[1].amplitude);
     }
 }

@@ -48,19 +48,19 @@ impl Body {
     /// When the tail's dimensions are inconsistent, a material law is unknown, or the mesh is invalid.
     pub fn new(tail: &Tail, settings: &BodySettings, hidden: &HiddenProperties) -> Result<Self> {
         let in_mesh = |e: Diagnostic| e.while_doing("the bench's mesh");
-        let mesh = meshed(&hidden.cast(tail), settings.resolution).map_err(in_mesh)?;
+        let mesh = mesh_of_tail(&hidden.cast_tail(tail), settings.resolution).map_err(in_mesh)?;
         let model = simulate::fem_mesh(&Solid::Quadratic(mesh.clone()), &[0, 1]);
         let clamped = Clamps::below_x(&model, settings.clamp + TOLERANCE);
         let [body, sheet] = settings.laws;
-        let mut regions = vec![region(body, &hidden.body)?, region(sheet, &hidden.spine)?];
+        let mut regions = vec![region_properties(body, &hidden.body)?, region_properties(sheet, &hidden.spine)?];
         if mesh.regions.contains(&FILM) {
-            regions.push(region(body, &film(&hidden.body))?);
+            regions.push(region_properties(body, &film_properties(&hidden.body))?);
         }
         let contact = Some(Contact { range: CONTACT_RANGE, pressure: CONTACT_PRESSURE * hidden.body.youngs_modulus });
         let options = Options { contact, ..Options::default() };
         let system = System::with(model, regions, clamped, options).map_err(|e| in_mesh(e.into()))?;
-        let left = usize::from(mean_y(&mesh, 0) < mean_y(&mesh, 1));
-        Ok(Self { mesh, system, left })
+        let left_chamber = usize::from(mean_y(&mesh, 0) < mean_y(&mesh, 1));
+        Ok(Self { mesh, system, left: left_chamber })
     }
 
     /// Factors of the moduli of each region when those of the silicone are multiplied by `softening`.
@@ -89,7 +89,7 @@ impl Body {
 }
 
 /// The mesh of a tail, from its own layers.
-fn meshed(tail: &Tail, resolution: &settings::Resolution) -> Result<QuadraticMesh> {
+fn mesh_of_tail(tail: &Tail, resolution: &settings::Resolution) -> Result<QuadraticMesh> {
     let settings::Resolution { edge, per_chamber, per_rib, hexahedra } = *resolution;
     Ok(match hexahedra {
         Some(factor) => tail.hexahedra(&Grading::COARSE.finer(factor))?,
@@ -102,7 +102,7 @@ const FILM_SHEAR: f64 = 0.01;
 
 /// The film on which silicone slides: of its bulk modulus, so that it passes on pressure, with hardly a shear modulus. Suction keeps the two
 /// from parting.
-fn film(silicone: &Properties) -> Properties {
+fn film_properties(silicone: &Properties) -> Properties {
     let Properties { youngs_modulus, poissons_ratio, .. } = *silicone;
     Properties {
         youngs_modulus: FILM_SHEAR * youngs_modulus,
@@ -112,11 +112,11 @@ fn film(silicone: &Properties) -> Properties {
     }
 }
 
-fn region(material: &str, properties: &Properties) -> Result<RegionProperties> {
-    let known = || fem::materials::ALL.iter().map(|m| m.name()).collect::<Vec<_>>().join(", ");
+fn region_properties(material: &str, properties: &Properties) -> Result<RegionProperties> {
+    let known_laws = || fem::materials::ALL.iter().map(|m| m.name()).collect::<Vec<_>>().join(", ");
     let material = fem::materials::by_name(material).ok_or_else(|| {
-        let (file, what) = (Path::new("bench.toml"), format!("the material law `{material}` is unknown"));
-        Diagnostic::file(file, what, format!("fem has {}", known()), "name one of these")
+        let (file, message) = (Path::new("bench.toml"), format!("the material law `{material}` is unknown"));
+        Diagnostic::file(file, message, format!("fem has {}", known_laws()), "name one of these")
     })?;
     let branches: Vec<Branch> =
         properties.branch.iter().map(|b| Branch { strength: b.strength, time: b.time }).collect();

@@ -38,31 +38,31 @@ pub struct CentreLine {
 
 impl CentreLine {
     /// Of `tail`, meshed as `body`, from `clamp` (m) on.
-    pub fn of(tail: &Tail, body: &Body, clamp: Metre) -> Self {
-        let trailing_edge = tail.fin.iter().fold((0.0, 0.0), |most, f| if f.1 > most.1 { *f } else { most }).0;
+    pub fn of_tail(tail: &Tail, body: &Body, clamp: Metre) -> Self {
+        let trailing_edge = tail.fin.iter().fold((0.0, 0.0), |deepest, f| if f.1 > deepest.1 { *f } else { deepest }).0;
         let spacing = (trailing_edge - clamp) / FORWARD as f64;
         let count = ((tail.length() - clamp) / spacing) as usize + 1;
         let sheet = sheet_nodes(body);
         let station = |k: usize| {
             let x = clamp + k as f64 * spacing;
-            Station { x, depth: depth(tail, x), nodes: around(body, &sheet, x, spacing) }
+            Station { x, depth: section_depth(tail, x), nodes: nodes_around(body, &sheet, x, spacing) }
         };
         Self { stations: (0..count).map(station).collect(), trailing: FORWARD, spacing }
     }
 
     /// Positions at rest, m.
-    pub fn rest(&self, body: &Body) -> Vec<Point2> {
-        let place = |station: &Station| {
+    pub fn rest_positions(&self, body: &Body) -> Vec<Point2> {
+        let station_position = |station: &Station| {
             station.nodes.iter().fold([0.0; 2], |sum, (node, weight)| {
-                let at = body.mesh.nodes[*node as usize];
-                [sum[0] + weight * at[0], sum[1] + weight * at[1]]
+                let position = body.mesh.nodes[*node as usize];
+                [sum[0] + weight * position[0], sum[1] + weight * position[1]]
             })
         };
-        self.stations.iter().map(place).collect()
+        self.stations.iter().map(station_position).collect()
     }
 
     /// Displacement of each station along x and y by each coordinate, (stations × 2) × coordinates, m.
-    pub fn rows(&self, reduced: &fem::ReducedModel) -> DMatrix<f64> {
+    pub fn station_rows(&self, reduced: &fem::ReducedModel) -> DMatrix<f64> {
         let mut rows = DMatrix::zeros(2 * self.stations.len(), reduced.coordinates());
         for (k, station) in self.stations.iter().enumerate() {
             for (node, weight) in &station.nodes {
@@ -79,7 +79,7 @@ impl CentreLine {
     }
 
     /// Nodal forces (3 a node, N) of a lateral force at each station, given by `each`.
-    pub(crate) fn lateral(&self, nodes: usize, each: &dyn Fn(&Station) -> f64) -> Vec<f64> {
+    pub(crate) fn lateral_forces(&self, nodes: usize, each: &dyn Fn(&Station) -> f64) -> Vec<f64> {
         let mut forces = vec![0.0; 3 * nodes];
         for station in &self.stations {
             let force = each(station);
@@ -110,7 +110,7 @@ impl CentreLine {
 }
 
 /// Depth of the section at `x`: the body's, or the fin's where it is deeper.
-fn depth(tail: &Tail, x: Metre) -> Metre {
+fn section_depth(tail: &Tail, x: Metre) -> Metre {
     let body = if x <= tail.body_end() { tail.half_height(x) } else { 0.0 };
     2.0 * body.max(tail.sheet_half_height(x))
 }
@@ -124,9 +124,9 @@ fn sheet_nodes(body: &Body) -> Vec<u32> {
 }
 
 /// The sheet's nodes within `reach` of `x`, with weights that decrease linearly with the distance.
-fn around(body: &Body, sheet: &[u32], x: Metre, reach: Metre) -> Vec<(u32, f64)> {
-    let near = |node: &u32| (*node, 1.0 - (body.mesh.nodes[*node as usize][0] - x).abs() / reach);
-    let nodes: Vec<(u32, f64)> = sheet.iter().map(near).filter(|(_, weight)| *weight > 0.0).collect();
+fn nodes_around(body: &Body, sheet: &[u32], x: Metre, reach: Metre) -> Vec<(u32, f64)> {
+    let weighted = |node: &u32| (*node, 1.0 - (body.mesh.nodes[*node as usize][0] - x).abs() / reach);
+    let nodes: Vec<(u32, f64)> = sheet.iter().map(weighted).filter(|(_, weight)| *weight > 0.0).collect();
     let sum: f64 = nodes.iter().map(|(_, weight)| weight).sum();
     nodes.into_iter().map(|(node, weight)| (node, weight / sum)).collect()
 }
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn lateral_forces_are_those_along_y() {
         let line = two_stations();
-        let lateral = line.lateral(3, &|station| 2.0 + 100.0 * station.x);
+        let lateral = line.lateral_forces(3, &|station| 2.0 + 100.0 * station.x);
         assert_eq!(lateral, line.nodal_forces(3, &DVector::from_vec(vec![0.0, 2.0, 0.0, 3.0])));
     }
 }

@@ -35,8 +35,8 @@ pub fn integrate(
     let stored = ((end - start) * rate).ceil() as usize;
     let settings =
         DynamicSettings { step: 1.0 / (rate * each as f64), scheme: Scheme::Bdf2, ..DynamicSettings::default() };
-    let rest = State::rest(body.mesh.nodes.len());
-    let mut shapes = vec![rest.displacement.iter().map(|u| *u as f32).collect::<Vec<f32>>()];
+    let rest_state = State::rest(body.mesh.nodes.len());
+    let mut shapes = vec![rest_state.displacement.iter().map(|u| *u as f32).collect::<Vec<f32>>()];
     let mut steps = 0;
     let mut observe = |_: Second, state: &State| {
         steps += 1;
@@ -49,7 +49,7 @@ pub fn integrate(
         let [left, right] = pressures(start + t);
         body.pressures(left, right)
     };
-    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &chambers };
+    let problem = InitialValueProblem { settings: &settings, initial: &rest_state, pressures: &chambers };
     body.system
         .solver()
         .integrate(&problem, stored * each, &mut observe)

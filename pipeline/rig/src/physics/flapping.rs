@@ -87,14 +87,14 @@ impl<'a> FlappingModel<'a> {
     ///
     /// # Errors
     /// When an equilibrium is not found.
-    pub fn reduce(
+    pub fn reduce_body(
         body: &Body,
         line: &CentreLine,
         sweeps: &[PressureSweep; 2],
         tick: &(dyn Fn() + Sync),
     ) -> Result<fem::ReducedModelData> {
-        let shapes = snapshots::shapes(body, line, sweeps, tick)?;
-        let snapshots: Vec<fem::Snapshot> = shapes.iter().map(snapshots::BodyShape::snapshot).collect();
+        let shapes = snapshots::training_shapes(body, line, sweeps, tick)?;
+        let snapshots: Vec<fem::Snapshot> = shapes.iter().map(snapshots::BodyShape::as_snapshot).collect();
         let settings =
             fem::ReductionSettings { coordinates: COORDINATES, tolerance: 5e-4, ..fem::ReductionSettings::default() };
         let reduced = body.system.reduce_trained(&snapshots, &settings);
@@ -105,7 +105,7 @@ impl<'a> FlappingModel<'a> {
     ///
     /// # Errors
     /// When the data are of another body, or an equilibrium of the reduced model is not found.
-    pub fn of(
+    pub fn of_reduced_data(
         body: &'a Body,
         line: CentreLine,
         sweeps: &[PressureSweep; 2],
@@ -113,7 +113,7 @@ impl<'a> FlappingModel<'a> {
     ) -> Result<Self> {
         let reduced = body.system.restore(reduced);
         let reduced = reduced.map_err(|e| Diagnostic::from(e).while_doing("the reduced model"))?;
-        let (rest_line, rows) = (line.rest(body), line.rows(&reduced));
+        let (rest_line, rows) = (line.rest_positions(body), line.station_rows(&reduced));
         let unit = |k: usize| DVector::from_fn(reduced.coordinates(), |i, _| f64::from(u8::from(i == k)));
         let mode = |k: usize| reduced.displacement(&unit(k)).into_iter().map(|u| u as f32).collect::<Vec<f32>>();
         let modes: Vec<Vec<f32>> = (0..reduced.coordinates()).map(mode).collect();
@@ -123,7 +123,7 @@ impl<'a> FlappingModel<'a> {
             halves * x.map(|(m, u)| m * f64::from(*u)).sum::<f64>()
         };
         let moments = DVector::from_iterator(modes.len(), modes.iter().map(moment));
-        let of_side = |side: Side, sweep: &PressureSweep| equilibria(body, &reduced, side, sweep);
+        let of_side = |side: Side, sweep: &PressureSweep| reduced_equilibria(body, &reduced, side, sweep);
         let equilibria = [of_side(Side::Left, &sweeps[0])?, of_side(Side::Right, &sweeps[1])?];
         Ok(Self { body, reduced, line, rest_line, rows, modes, moments, equilibria })
     }
@@ -132,7 +132,7 @@ impl<'a> FlappingModel<'a> {
     ///
     /// # Errors
     /// When a step does not converge.
-    pub fn flapping(
+    pub fn simulate_flapping(
         &'a self,
         span: TimeSpan,
         pressures: &dyn Fn(Second) -> [Pascal; 2],
@@ -166,13 +166,13 @@ impl<'a> FlappingModel<'a> {
         let integrated = match conditions.fluid {
             None => reduced.integrate(&motion, &mut NoForce, count, &mut observe),
             Some(fluid) => {
-                let mut water = ObservedWater { water: self.water(fluid), last: &last };
+                let mut water = ObservedWater { water: self.water_at_rest(fluid), last: &last };
                 reduced.integrate(&motion, &mut water, count, &mut observe)
             }
         };
         integrated
             .map_err(|e| Diagnostic::from(e).while_doing(format!("motion between {start:.3} s and {end:.3} s")))?;
-        let pulls = self.pulls(&velocities, &forces, 1.0 / step);
+        let pulls = self.holder_forces(&velocities, &forces, 1.0 / step);
         Ok(FlappingMotion { model: self, start, rate: 1.0 / step, shapes, pulls })
     }
 
@@ -181,11 +181,11 @@ impl<'a> FlappingModel<'a> {
     /// # Errors
     /// When the reduced model is refused.
     // The first cycle softens a point, which a square wave ends before the study's first window: that cycle is not resolved.
-    pub fn softened(&self, mullins: &Mullins, pressures: &[Pascal], pressure: Pascal) -> Result<SoftenedModel> {
+    pub fn softened_model(&self, mullins: &Mullins, pressures: &[Pascal], pressure: Pascal) -> Result<SoftenedModel> {
         let level = pressures.partition_point(|p| *p < pressure).min(pressures.len() - 1);
         let energies = |side: &Vec<DVector<f64>>| self.reduced.energy_densities(usize::from(BODY), &side[level]);
         let [left, right] = self.equilibria.each_ref().map(energies);
-        let factors = left.iter().zip(right).map(|(left, right)| mullins.softening(left.max(right))).collect();
+        let factors = left.iter().zip(right).map(|(left, right)| mullins.softened_share(left.max(right))).collect();
         self.with_point_factors(factors)
     }
 
@@ -203,13 +203,13 @@ impl<'a> FlappingModel<'a> {
     }
 
     /// Water around the tail at rest.
-    pub fn water(&self, fluid: Fluid) -> Water<'_> {
+    pub fn water_at_rest(&self, fluid: Fluid) -> Water<'_> {
         let half = self.body.mesh.half;
         Water::at_rest(fluid, &Kinematics { line: &self.line, rest: &self.rest_line, rows: &self.rows, half })
     }
 
     /// Force on the holder: the force of the water plus the rate of change of the tail's own momentum, which is counted rearwards.
-    fn pulls(&self, velocities: &[DVector<f64>], forces: &[WaterForce], rate: Hertz) -> Vec<(Newton, Newton)> {
+    fn holder_forces(&self, velocities: &[DVector<f64>], forces: &[WaterForce], rate: Hertz) -> Vec<(Newton, Newton)> {
         let momentum: Vec<f64> = velocities.iter().map(|v| self.moments.dot(v)).collect();
         let last = momentum.len() - 1;
         let momentum_rate = |i: usize| {
@@ -221,19 +221,19 @@ impl<'a> FlappingModel<'a> {
 }
 
 /// Equilibria of the reduced model with `side` at the pressures of its sweep, each from the whole body's.
-fn equilibria(
+fn reduced_equilibria(
     body: &Body,
     reduced: &fem::ReducedModel,
     side: Side,
     sweep: &PressureSweep,
 ) -> Result<Vec<DVector<f64>>> {
-    let one = |(pressure, shape): (&Pascal, &Vec<f64>)| {
+    let equilibrium = |(pressure, shape): (&Pascal, &Vec<f64>)| {
         let guess = reduced.projected(shape);
-        let found = reduced.equilibrium(&body.one_side(side, *pressure), &body.modulus_scales(1.0), &guess);
+        let solution = reduced.equilibrium(&body.one_side(side, *pressure), &body.modulus_scales(1.0), &guess);
         let doing = || format!("equilibrium of the reduced model at {:.0} mbar", pressure / si::MILLIBAR);
-        found.map_err(|e| Diagnostic::from(e).while_doing(doing()))
+        solution.map_err(|e| Diagnostic::from(e).while_doing(doing()))
     };
-    sweep.pressures.iter().zip(&sweep.shapes).map(one).collect()
+    sweep.pressures.iter().zip(&sweep.shapes).map(equilibrium).collect()
 }
 
 /// Water whose force at the end of the last step is kept.
@@ -243,84 +243,88 @@ struct ObservedWater<'a, 'b> {
 }
 
 impl fem::ExternalForce for ObservedWater<'_, '_> {
-    fn force(&self, at: &fem::StepState) -> DVector<f64> {
-        self.water.force(at)
+    fn force(&self, state: &fem::StepState) -> DVector<f64> {
+        self.water.force(state)
     }
 
-    fn accept(&mut self, at: &fem::StepState) {
-        self.water.accept(at);
+    fn accept(&mut self, state: &fem::StepState) {
+        self.water.accept(state);
         self.last.set(self.water.total);
     }
 }
 
 impl FlappingMotion<'_> {
     /// Linear between steps, zero beyond.
-    fn between(&self, t: Second, of: impl Fn(&(Newton, Newton)) -> Newton) -> Newton {
-        let place = (t - self.start) * self.rate;
-        let at = |i: f64| if i < 0.0 { 0.0 } else { self.pulls.get(i as usize).map_or(0.0, &of) };
-        let fraction = place - place.floor();
-        at(place.floor()) * (1.0 - fraction) + at(place.floor() + 1.0) * fraction
+    fn between_steps(&self, t: Second, component: impl Fn(&(Newton, Newton)) -> Newton) -> Newton {
+        let index = (t - self.start) * self.rate;
+        let value_at_step = |i: f64| if i < 0.0 { 0.0 } else { self.pulls.get(i as usize).map_or(0.0, &component) };
+        let fraction = index - index.floor();
+        value_at_step(index.floor()) * (1.0 - fraction) + value_at_step(index.floor() + 1.0) * fraction
     }
 
     /// Coordinates × (nodes × 3), m.
-    pub(super) fn modes(&self) -> &[Vec<f32>] {
+    pub(super) fn nodal_modes(&self) -> &[Vec<f32>] {
         &self.model.modes
     }
 
     /// Coordinates at time `t` (s): linear between steps, constant beyond.
-    pub(super) fn coordinates(&self, t: Second) -> DVector<f64> {
+    pub(super) fn coordinates_at(&self, t: Second) -> DVector<f64> {
         let last = self.shapes.len() - 1;
-        let place = ((t - self.start) * self.rate).clamp(0.0, last as f64);
-        let first = (place.floor() as usize).min(last.saturating_sub(1));
-        let fraction = place - first as f64;
+        let index = ((t - self.start) * self.rate).clamp(0.0, last as f64);
+        let first = (index.floor() as usize).min(last.saturating_sub(1));
+        let fraction = index - first as f64;
         &self.shapes[first] * (1.0 - fraction) + &self.shapes[(first + 1).min(last)] * fraction
     }
 }
 
 impl Motion for FlappingMotion<'_> {
     fn nodes(&self, t: Second) -> Vec<Point3> {
-        let (nodes, moved) = (&self.model.body.mesh.nodes, displacements(&self.model.modes, &self.coordinates(t)));
-        let (moved, _) = moved.as_chunks::<3>();
+        let (nodes, displacements) =
+            (&self.model.body.mesh.nodes, nodal_displacements(&self.model.modes, &self.coordinates_at(t)));
+        let (displacements, _) = displacements.as_chunks::<3>();
         let node = |(x, u): (&Point3, &[f32; 3])| [0, 1, 2].map(|axis| x[axis] + f64::from(u[axis]));
-        nodes.iter().zip(moved).map(node).collect()
+        nodes.iter().zip(displacements).map(node).collect()
     }
 
     fn nodes_of(&self, t: Second, of: &[u32]) -> Vec<Point3> {
         let mut nodes = self.model.body.mesh.nodes.clone();
-        for (node, u) in of.iter().zip(displacements_of(&self.model.modes, &self.coordinates(t), of)) {
+        for (node, u) in of.iter().zip(displacements_of(&self.model.modes, &self.coordinates_at(t), of)) {
             nodes[*node as usize].iter_mut().zip(u).for_each(|(x, u)| *x += f64::from(u));
         }
         nodes
     }
 
     fn pull(&self, t: Second) -> Newton {
-        self.between(t, |pull| pull.0)
+        self.between_steps(t, |pull| pull.0)
     }
 
     fn thrust(&self, t: Second) -> Newton {
-        self.between(t, |pull| pull.1)
+        self.between_steps(t, |pull| pull.1)
     }
 }
 
 /// Displacements of all nodes, nodes × 3, m.
-pub(super) fn displacements(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f32> {
-    let mut moved = vec![0.0; modes.first().map_or(0, Vec::len)];
+pub(super) fn nodal_displacements(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f32> {
+    let mut displacements = vec![0.0; modes.first().map_or(0, Vec::len)];
     for (mode, q) in modes.iter().zip(q.iter()) {
-        moved.iter_mut().zip(mode).for_each(|(moved, u)| *moved += *q as f32 * u);
+        displacements.iter_mut().zip(mode).for_each(|(displacements, u)| *displacements += *q as f32 * u);
     }
-    moved
+    displacements
 }
 
 /// Displacements of the nodes `of`, m: the same sums as [`moved`] in the same order, so the same numbers.
-pub(super) fn displacements_of(modes: &[Vec<f32>], q: &DVector<f64>, of: &[u32]) -> Vec<[f32; 3]> {
-    let mut moved = vec![[0.0; 3]; of.len()];
+pub(super) fn displacements_of(modes: &[Vec<f32>], q: &DVector<f64>, nodes: &[u32]) -> Vec<[f32; 3]> {
+    let mut displacements = vec![[0.0; 3]; nodes.len()];
     for (mode, q) in modes.iter().zip(q.iter()) {
         let (mode, _) = mode.as_chunks::<3>();
-        for (moved, node) in moved.iter_mut().zip(of) {
-            moved.iter_mut().zip(mode[*node as usize]).for_each(|(moved, u)| *moved += *q as f32 * u);
+        for (displacements, node) in displacements.iter_mut().zip(nodes) {
+            displacements
+                .iter_mut()
+                .zip(mode[*node as usize])
+                .for_each(|(displacements, u)| *displacements += *q as f32 * u);
         }
     }
-    moved
+    displacements
 }
 
 #[cfg(test)]
@@ -331,7 +335,7 @@ mod tests {
     fn displacements_of_some_nodes_equal_those_of_all_nodes() {
         let mode = |m: usize| (0..15).map(|k| ((7 * k + 3 * m) % 11) as f32 / 7.0 - 0.6).collect::<Vec<f32>>();
         let (modes, q) = ((0..4).map(mode).collect::<Vec<_>>(), DVector::from_vec(vec![0.31, -1.7, 0.05, 2.2]));
-        let (all, of) = (displacements(&modes, &q), [0, 2, 4]);
+        let (all, of) = (nodal_displacements(&modes, &q), [0, 2, 4]);
         for (some, node) in displacements_of(&modes, &q, &of).iter().zip(of) {
             assert_eq!(some[..], all[3 * node as usize..][..3]);
         }

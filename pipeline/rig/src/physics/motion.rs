@@ -41,40 +41,40 @@ pub struct QuasistaticMotion<'a> {
 impl QuasistaticMotion<'_> {
     /// Index of the first of the four levels around the pressure at time `t` (s), and the weights of the cubic through them (Lagrange);
     /// the pressure is clamped to the range of the sweep.
-    pub(crate) fn interpolation(&self, t: Second) -> (usize, [f64; 4]) {
+    pub(crate) fn cubic_weights(&self, t: Second) -> (usize, [f64; 4]) {
         let pressures = &self.sweep.pressures;
         let last = pressures.len() - 1;
         let pressure = self.trace.at(t).clamp(pressures[0], pressures[last]);
-        let above = pressures.partition_point(|p| *p <= pressure);
-        let first = above.saturating_sub(2).min(last - 3);
-        (first, lagrange(&pressures[first..first + 4], pressure))
+        let upper_level = pressures.partition_point(|p| *p <= pressure);
+        let first = upper_level.saturating_sub(2).min(last - 3);
+        (first, lagrange_weights(&pressures[first..first + 4], pressure))
     }
 
     /// Position of node `i`, interpolated between the levels from `first` on, m.
-    fn node(&self, i: usize, first: usize, weights: &[f64; 4]) -> Point3 {
+    fn node_position(&self, i: usize, first: usize, weights: &[f64; 4]) -> Point3 {
         let shapes = &self.sweep.shapes[first..first + 4];
-        let moved = |k: usize| (0..4).map(|r| weights[r] * shapes[r][k]).sum::<f64>();
-        [0, 1, 2].map(|axis| self.rest[i][axis] + moved(3 * i + axis))
+        let displacement = |k: usize| (0..4).map(|r| weights[r] * shapes[r][k]).sum::<f64>();
+        [0, 1, 2].map(|axis| self.rest[i][axis] + displacement(3 * i + axis))
     }
 }
 
 impl Motion for QuasistaticMotion<'_> {
     fn nodes(&self, t: Second) -> Vec<Point3> {
-        let (first, weights) = self.interpolation(t);
-        (0..self.rest.len()).map(|i| self.node(i, first, &weights)).collect()
+        let (first, weights) = self.cubic_weights(t);
+        (0..self.rest.len()).map(|i| self.node_position(i, first, &weights)).collect()
     }
 
     fn nodes_of(&self, t: Second, of: &[u32]) -> Vec<Point3> {
-        let ((first, weights), mut nodes) = (self.interpolation(t), self.rest.to_vec());
-        of.iter().for_each(|i| nodes[*i as usize] = self.node(*i as usize, first, &weights));
+        let ((first, weights), mut nodes) = (self.cubic_weights(t), self.rest.to_vec());
+        of.iter().for_each(|i| nodes[*i as usize] = self.node_position(*i as usize, first, &weights));
         nodes
     }
 }
 
-/// Lagrange weights at `x` of the values at the four abscissae `at`.
-fn lagrange(at: &[f64], x: f64) -> [f64; 4] {
-    let others = |i: usize| (0..4).filter(move |j| *j != i);
-    [0, 1, 2, 3].map(|i| others(i).map(|j| (x - at[j]) / (at[i] - at[j])).product())
+/// Lagrange weights at `x` of the values at the four abscissae `nodes`.
+fn lagrange_weights(nodes: &[f64], x: f64) -> [f64; 4] {
+    let other_nodes = |i: usize| (0..4).filter(move |j| *j != i);
+    [0, 1, 2, 3].map(|i| other_nodes(i).map(|j| (x - nodes[j]) / (nodes[i] - nodes[j])).product())
 }
 
 /// A motion stored at even times.
@@ -92,12 +92,14 @@ pub struct SampledMotion {
 impl Motion for SampledMotion {
     /// Linear between stored shapes, constant outside.
     fn nodes(&self, t: Second) -> Vec<Point3> {
-        let place = ((t - self.start) * self.rate).clamp(0.0, (self.shapes.len() - 1) as f64);
-        let first = (place.floor() as usize).min(self.shapes.len().saturating_sub(2));
+        let index = ((t - self.start) * self.rate).clamp(0.0, (self.shapes.len() - 1) as f64);
+        let first = (index.floor() as usize).min(self.shapes.len().saturating_sub(2));
         let (before, after) = (&self.shapes[first], &self.shapes[(first + 1).min(self.shapes.len() - 1)]);
-        let fraction = place - first as f64;
-        let moved = |k: usize| f64::from(before[k]) * (1.0 - fraction) + f64::from(after[k]) * fraction;
-        let node = |(i, x): (usize, &Point3)| [x[0] + moved(3 * i), x[1] + moved(3 * i + 1), x[2] + moved(3 * i + 2)];
+        let fraction = index - first as f64;
+        let displacement = |k: usize| f64::from(before[k]) * (1.0 - fraction) + f64::from(after[k]) * fraction;
+        let node = |(i, x): (usize, &Point3)| {
+            [x[0] + displacement(3 * i), x[1] + displacement(3 * i + 1), x[2] + displacement(3 * i + 2)]
+        };
         self.rest.iter().enumerate().map(node).collect()
     }
 }
@@ -107,7 +109,7 @@ mod tests {
     use super::*;
     use crate::random::RandomStream;
     use crate::settings::Settings;
-    use crate::valve::{Command, ValveDisturbance, respond};
+    use crate::valve::{Command, ValveDisturbance, valve_response};
 
     #[test]
     fn a_sampled_motion_is_linear_between_its_shapes_and_constant_outside() {
@@ -127,7 +129,7 @@ mod tests {
         let shapes = pressures.iter().map(|p| vec![shape(p / 1000.0), 0.0, 0.0]).collect();
         let sweep = PressureSweep { pressures, shapes };
         let commands = [Command { time: 0.0, pressure: 2500.0 }];
-        let trace = respond(
+        let trace = valve_response(
             &Settings::built_in().valve,
             &commands,
             ValveDisturbance::default(),

@@ -32,27 +32,28 @@ impl PressureSweep {
     ///
     /// # Errors
     /// When an equilibrium is not found.
-    pub fn solve(body: &Body, side: Side, pressures: &[Pascal], tick: &(dyn Fn() + Sync)) -> Result<Self> {
+    pub fn solve_sweep(body: &Body, side: Side, pressures: &[Pascal], tick: &(dyn Fn() + Sync)) -> Result<Self> {
         let mut solver = body.system.solver();
         let settings = StaticSettings { load_steps: 1, tolerance: TOLERANCE, ..StaticSettings::default() };
         let mut shapes = vec![vec![0.0; 3 * body.mesh.nodes.len()]];
         for pressure in &pressures[1..] {
-            let known: Vec<(Pascal, &[f64])> =
+            let solved: Vec<(Pascal, &[f64])> =
                 pressures.iter().copied().zip(shapes.iter().map(Vec::as_slice)).collect();
-            let found = solver.equilibrium_from(&known, &body.one_side(side, *pressure), &settings);
-            let doing = || format!("equilibrium of the {} side at {:.0} mbar", side.word(), pressure / si::MILLIBAR);
-            shapes.push(found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement);
+            let equilibrium = solver.equilibrium_from(&solved, &body.one_side(side, *pressure), &settings);
+            let doing =
+                || format!("equilibrium of the {} side at {:.0} mbar", side.channel_name(), pressure / si::MILLIBAR);
+            shapes.push(equilibrium.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement);
             tick();
         }
         Ok(Self { pressures: pressures.to_vec(), shapes })
     }
 
     /// The level that is nearest to `pressure` (Pa), and its shape.
-    pub fn nearest(&self, pressure: Pascal) -> (Pascal, &[f64]) {
-        let above = self.pressures.partition_point(|p| *p < pressure).min(self.pressures.len() - 1);
-        let below = above.saturating_sub(1);
-        let closer = pressure - self.pressures[below] < self.pressures[above] - pressure;
-        let level = if closer { below } else { above };
+    pub fn nearest_level(&self, pressure: Pascal) -> (Pascal, &[f64]) {
+        let upper = self.pressures.partition_point(|p| *p < pressure).min(self.pressures.len() - 1);
+        let lower = upper.saturating_sub(1);
+        let closer = pressure - self.pressures[lower] < self.pressures[upper] - pressure;
+        let level = if closer { lower } else { upper };
         (self.pressures[level], &self.shapes[level])
     }
 }

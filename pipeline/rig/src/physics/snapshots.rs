@@ -24,7 +24,7 @@ const UNDER_FORCE: [[f64; 2]; 4] = [[0.0, 0.0], [0.35, 0.0], [0.0, 0.35], [0.4, 
 /// force that changes its sign along the tail.
 const TIP_DISPLACEMENTS: [Metre; 3] = [0.010, 0.024, 0.005];
 
-/// Number of equilibria that [`shapes`] solves.
+/// Number of equilibria that [`training_shapes`] solves.
 pub(crate) const COUNT: usize = BOTH_SIDES.len() + 4 * UNDER_FORCE.len();
 
 /// A shape of a body, and the directions in which lateral forces move it.
@@ -35,7 +35,7 @@ pub struct BodyShape {
 
 impl BodyShape {
     /// What a reduced model is trained on.
-    pub fn snapshot(&self) -> Snapshot<'_> {
+    pub fn as_snapshot(&self) -> Snapshot<'_> {
         Snapshot { displacement: &self.displacement, regions: &[], changes: &self.directions }
     }
 }
@@ -48,7 +48,7 @@ type Inflated = ([Pascal; 2], Vec<f64>);
 ///
 /// # Errors
 /// When an equilibrium is not found.
-pub fn shapes(
+pub fn training_shapes(
     body: &Body,
     line: &CentreLine,
     sweeps: &[PressureSweep; 2],
@@ -56,42 +56,43 @@ pub fn shapes(
 ) -> Result<Vec<BodyShape>> {
     let top = sweeps[0].pressures.last().copied().unwrap_or(0.0);
     let lateral = LateralForces::new(body, line)?;
-    let rest = ([0.0; 2], vec![0.0; 3 * body.mesh.nodes.len()]);
+    let rest_shape = ([0.0; 2], vec![0.0; 3 * body.mesh.nodes.len()]);
     let swept = [Side::Left, Side::Right].into_iter().zip(sweeps).flat_map(|(side, sweep)| {
         let levels = sweep.pressures.iter().zip(&sweep.shapes).skip(1).step_by(2);
         levels.map(move |(pressure, shape)| (side.alone(*pressure), shape.clone()))
     });
-    let both = BOTH_SIDES.par_iter().map(|shares| inflated(body, sweeps, shares.map(|share| share * top)));
+    let both = BOTH_SIDES.par_iter().map(|shares| inflated_shape(body, sweeps, shares.map(|share| share * top)));
     let both: Vec<Inflated> = both.inspect(|_| tick()).collect::<Result<_>>()?;
     let loaded = UNDER_FORCE.par_iter().map(|shares| {
-        let held = inflated(body, sweeps, shares.map(|share| share * top))?;
-        lateral.loaded(&held, tick)
+        let inflated = inflated_shape(body, sweeps, shares.map(|share| share * top))?;
+        lateral.loaded_shapes(&inflated, tick)
     });
     let loaded: Vec<Vec<BodyShape>> = loaded.collect::<Result<_>>()?;
-    let free: Vec<Inflated> = std::iter::once(rest).chain(swept).chain(both).collect();
-    let free: Vec<BodyShape> = free.into_par_iter().map(|held| lateral.directed(held)).collect::<Result<_>>()?;
+    let free: Vec<Inflated> = std::iter::once(rest_shape).chain(swept).chain(both).collect();
+    let free: Vec<BodyShape> =
+        free.into_par_iter().map(|inflated| lateral.with_directions(inflated)).collect::<Result<_>>()?;
     Ok(free.into_iter().chain(loaded.into_iter().flatten()).collect())
 }
 
 /// The equilibrium under pressures of both sides (left, right; Pa): of one side alone from the nearest shape of its sweep, of both from rest with
 /// both in proportion, which leads past no buckle where they are alike.
-fn inflated(body: &Body, sweeps: &[PressureSweep; 2], pressures: [Pascal; 2]) -> Result<Inflated> {
+fn inflated_shape(body: &Body, sweeps: &[PressureSweep; 2], pressures: [Pascal; 2]) -> Result<Inflated> {
     let [left, right] = pressures;
-    let rest = vec![0.0; 3 * body.mesh.nodes.len()];
-    let (level, near) = match pressures {
-        [left, 0.0] => sweeps[0].nearest(left),
-        [0.0, right] => sweeps[1].nearest(right),
-        _ => (0.0, rest.as_slice()),
+    let rest_shape = vec![0.0; 3 * body.mesh.nodes.len()];
+    let (level, nearest) = match pressures {
+        [left, 0.0] => sweeps[0].nearest_level(left),
+        [0.0, right] => sweeps[1].nearest_level(right),
+        _ => (0.0, rest_shape.as_slice()),
     };
     let ends = [pressures.map(|p| if p > 0.0 { level } else { 0.0 }), pressures];
     let ends = ends.map(|[left, right]| body.pressures(left, right));
     let ramp = LoadRamp { pressures: ends.each_ref().map(Vec::as_slice), forces: [&[], &[]] };
-    let found = body.system.solver().equilibrium_along(&[(0.0, near)], &ramp, &settings());
+    let equilibrium = body.system.solver().equilibrium_along(&[(0.0, nearest)], &ramp, &static_settings());
     let doing = || format!("equilibrium at {:.0} and {:.0} mbar", left / si::MILLIBAR, right / si::MILLIBAR);
-    Ok((pressures, found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement))
+    Ok((pressures, equilibrium.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement))
 }
 
-fn settings() -> StaticSettings {
+fn static_settings() -> StaticSettings {
     StaticSettings { load_steps: 1, tolerance: TOLERANCE, ..StaticSettings::default() }
 }
 
@@ -109,67 +110,70 @@ impl<'a> LateralForces<'a> {
         let one_sign = |s: &Station| (s.x / end).powi(2);
         let two_signs = |s: &Station| (s.x / end) * (0.7 - s.x / end);
         let nodes = body.mesh.nodes.len();
-        let forces = [line.lateral(nodes, &one_sign), line.lateral(nodes, &two_signs)];
+        let forces = [line.lateral_forces(nodes, &one_sign), line.lateral_forces(nodes, &two_signs)];
         let unscaled = Self { body, line, forces };
-        let moved = unscaled.responses(&([0.0; 2], vec![0.0; 3 * nodes]));
-        let moved = moved.map_err(|e| Diagnostic::from(e).while_doing("the body at rest"))?;
-        let [one, two] = moved.each_ref().map(|moved| unscaled.tip(moved));
+        let responses = unscaled.linear_responses(&([0.0; 2], vec![0.0; 3 * nodes]));
+        let responses = responses.map_err(|e| Diagnostic::from(e).while_doing("the body at rest"))?;
+        let [one, two] = responses.each_ref().map(|responses| unscaled.tip_displacement(responses));
         let [first, second] = &unscaled.forces;
-        Ok(Self { forces: [scaled(first, 1.0 / one), scaled(second, 1.0 / two)], ..unscaled })
+        Ok(Self { forces: [scaled_field(first, 1.0 / one), scaled_field(second, 1.0 / two)], ..unscaled })
     }
 
     /// An equilibrium with the directions in which the forces move it; without, where its tangent is not positive definite, as where a wall is
     /// about to snap.
-    fn directed(&self, held: Inflated) -> Result<BodyShape> {
-        let [along, _, mixed] = TIP_DISPLACEMENTS;
-        let directions = match self.responses(&held) {
+    fn with_directions(&self, inflated: Inflated) -> Result<BodyShape> {
+        let [first_goal, _, mixed] = TIP_DISPLACEMENTS;
+        let directions = match self.linear_responses(&inflated) {
             Err(SolveError::NotStable) => Vec::new(),
             Err(other) => return Err(Diagnostic::from(other).while_doing("the tangent of an equilibrium")),
-            Ok([one, two]) => vec![scaled(&one, along / self.tip(&one)), scaled(&two, mixed / self.tip(&two))],
+            Ok([one, two]) => vec![
+                scaled_field(&one, first_goal / self.tip_displacement(&one)),
+                scaled_field(&two, mixed / self.tip_displacement(&two)),
+            ],
         };
-        Ok(BodyShape { displacement: held.1, directions })
+        Ok(BodyShape { displacement: inflated.1, directions })
     }
 
     /// Displacements under each force in the linear model at an equilibrium, 3 a node.
-    fn responses(&self, ([left, right], displacement): &Inflated) -> Result<[Vec<f64>; 2], SolveError> {
+    fn linear_responses(&self, ([left, right], displacement): &Inflated) -> Result<[Vec<f64>; 2], SolveError> {
         let (mut solver, pressures) = (self.body.system.solver(), self.body.pressures(*left, *right));
-        let at = Equilibrium { displacement: displacement.clone(), pressures, ..Equilibrium::default() };
-        solver.assemble(&at)?;
-        solver.factorise(&at)?;
+        let equilibrium = Equilibrium { displacement: displacement.clone(), pressures, ..Equilibrium::default() };
+        solver.assemble(&equilibrium)?;
+        solver.factorise(&equilibrium)?;
         let [one, two] = self.forces.each_ref().map(|force| solver.solve(force));
         Ok([one?, two?])
     }
 
     /// Greatest lateral displacement of the centre line, m.
-    fn tip(&self, moved: &[f64]) -> Metre {
-        let line = self.line.displacements(moved);
-        line.iter().skip(1).step_by(2).fold(f64::MIN_POSITIVE, |most: f64, y| most.max(y.abs()))
+    fn tip_displacement(&self, displacement: &[f64]) -> Metre {
+        let line = self.line.displacements(displacement);
+        line.iter().skip(1).step_by(2).fold(f64::MIN_POSITIVE, |greatest: f64, y| greatest.max(y.abs()))
     }
 
     /// The equilibria with each force in both directions at the pressures of an equilibrium.
-    fn loaded(&self, (pressures, held): &Inflated, tick: &(dyn Fn() + Sync)) -> Result<Vec<BodyShape>> {
+    fn loaded_shapes(&self, (pressures, displacement): &Inflated, tick: &(dyn Fn() + Sync)) -> Result<Vec<BodyShape>> {
         let [left, right] = *pressures;
         let [with, against, mixed] = TIP_DISPLACEMENTS;
         let bends = (right - left).signum();
         let tip = |sign: f64| sign * if left == right || sign == bends { with } else { against };
         let cases = [1.0, -1.0].into_iter().flat_map(|sign| [(0, tip(sign)), (1, sign * mixed)]);
         let (mut solver, chambers) = (self.body.system.solver(), self.body.pressures(left, right));
-        let none = vec![0.0; held.len()];
-        let mut under = |(k, tip): (usize, Metre)| {
-            let forces = scaled(&self.forces[k], tip);
-            let ramp = LoadRamp { pressures: [&chambers; 2], forces: [&none, &forces] };
-            let found = solver.equilibrium_along(&[(0.0, held)], &ramp, &settings());
+        let no_forces = vec![0.0; displacement.len()];
+        let mut shape_under_force = |(k, tip): (usize, Metre)| {
+            let forces = scaled_field(&self.forces[k], tip);
+            let ramp = LoadRamp { pressures: [&chambers; 2], forces: [&no_forces, &forces] };
+            let equilibrium = solver.equilibrium_along(&[(0.0, displacement)], &ramp, &static_settings());
             let [left, right] = pressures.map(|p| p / si::MILLIBAR);
             let doing =
                 || format!("shape at {left:.0} and {right:.0} mbar, tip moved by {:.1} mm", tip / si::MILLIMETRE);
-            let found = found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?;
+            let equilibrium = equilibrium.map_err(|e| Diagnostic::from(e).while_doing(doing()))?;
             tick();
-            Ok(BodyShape { displacement: found.displacement, directions: Vec::new() })
+            Ok(BodyShape { displacement: equilibrium.displacement, directions: Vec::new() })
         };
-        cases.map(&mut under).collect()
+        cases.map(&mut shape_under_force).collect()
     }
 }
 
-fn scaled(field: &[f64], by: f64) -> Vec<f64> {
-    field.iter().map(|entry| by * entry).collect()
+fn scaled_field(field: &[f64], factor: f64) -> Vec<f64> {
+    field.iter().map(|entry| factor * entry).collect()
 }

@@ -37,7 +37,7 @@ impl FlappingModel<'_> {
     ///
     /// # Errors
     /// When a step does not converge.
-    pub fn staircase<'a>(
+    pub fn simulate_staircase<'a>(
         &'a self,
         staircase: Staircase<'a>,
         span: TimeSpan,
@@ -45,7 +45,8 @@ impl FlappingModel<'_> {
     ) -> Result<StaircaseMotion<'a>> {
         let Staircase { side, sweep, trace } = staircase;
         let pressures = |t: Second| side.alone(trace.at(t));
-        let flapping = self.flapping(span, &pressures, &Conditions { fluid, softening: 1.0, softened: None })?;
+        let flapping =
+            self.simulate_flapping(span, &pressures, &Conditions { fluid, softening: 1.0, softened: None })?;
         let quasistatic = QuasistaticMotion { rest: &self.body.mesh.nodes, sweep, trace };
         let equilibria = &self.equilibria[usize::from(side == Side::Right)];
         Ok(StaircaseMotion { quasistatic, flapping, equilibria })
@@ -54,26 +55,31 @@ impl FlappingModel<'_> {
 
 impl StaircaseMotion<'_> {
     /// Deviation of the reduced coordinates from their equilibrium.
-    fn deviation(&self, t: Second) -> DVector<f64> {
-        let (first, weights) = self.quasistatic.interpolation(t);
-        let here = self.flapping.coordinates(t);
-        self.equilibria[first..].iter().zip(weights).fold(here, |left, (rest, weight)| left - rest * weight)
+    fn modal_deviation(&self, t: Second) -> DVector<f64> {
+        let (first, weights) = self.quasistatic.cubic_weights(t);
+        let coordinates = self.flapping.coordinates_at(t);
+        self.equilibria[first..]
+            .iter()
+            .zip(weights)
+            .fold(coordinates, |deviation, (equilibrium, weight)| deviation - equilibrium * weight)
     }
 }
 
 impl Motion for StaircaseMotion<'_> {
     fn nodes(&self, t: Second) -> Vec<Point3> {
-        let (mut nodes, moved) =
-            (self.quasistatic.nodes(t), flapping::displacements(self.flapping.modes(), &self.deviation(t)));
-        let (moved, _) = moved.as_chunks::<3>();
-        nodes.iter_mut().zip(moved).for_each(|(x, u)| shift(x, u));
+        let (mut nodes, displacements) = (
+            self.quasistatic.nodes(t),
+            flapping::nodal_displacements(self.flapping.nodal_modes(), &self.modal_deviation(t)),
+        );
+        let (displacements, _) = displacements.as_chunks::<3>();
+        nodes.iter_mut().zip(displacements).for_each(|(x, u)| shift_node(x, u));
         nodes
     }
 
-    fn nodes_of(&self, t: Second, of: &[u32]) -> Vec<Point3> {
-        let mut nodes = self.quasistatic.nodes_of(t, of);
-        let moved = flapping::displacements_of(self.flapping.modes(), &self.deviation(t), of);
-        of.iter().zip(moved).for_each(|(i, u)| shift(&mut nodes[*i as usize], &u));
+    fn nodes_of(&self, t: Second, wanted: &[u32]) -> Vec<Point3> {
+        let mut nodes = self.quasistatic.nodes_of(t, wanted);
+        let displacements = flapping::displacements_of(self.flapping.nodal_modes(), &self.modal_deviation(t), wanted);
+        wanted.iter().zip(displacements).for_each(|(i, u)| shift_node(&mut nodes[*i as usize], &u));
         nodes
     }
 
@@ -86,6 +92,6 @@ impl Motion for StaircaseMotion<'_> {
     }
 }
 
-fn shift(x: &mut Point3, u: &[f32; 3]) {
+fn shift_node(x: &mut Point3, u: &[f32; 3]) {
     x.iter_mut().zip(u).for_each(|(x, u)| *x += f64::from(*u));
 }

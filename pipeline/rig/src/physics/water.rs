@@ -94,12 +94,12 @@ impl<'a> Water<'a> {
         }
     }
 
-    fn slices(&self, at: &StepState) -> Slices {
-        let (place, speed) = (&self.rest + self.rows * at.coordinates, self.rows * at.velocity);
+    fn slices_of(&self, state: &StepState) -> Slices {
+        let (position, speed) = (&self.rest + self.rows * state.coordinates, self.rows * state.velocity);
         let count = self.line.stations.len();
         let mut slices = Slices { momentum: DVector::zeros(2 * count), flux: Vec::new(), drag: Vec::new() };
         for (k, station) in self.line.stations.iter().enumerate() {
-            let t = tangent(&place, k, count);
+            let t = unit_tangent(&position, k, count);
             let n = [-t[1], t[0]];
             let v = [speed[2 * k], speed[2 * k + 1]];
             let (u, w) = (v[0] * t[0] + v[1] * t[1], v[0] * n[0] + v[1] * n[1]);
@@ -113,18 +113,18 @@ impl<'a> Water<'a> {
     }
 
     /// Force on each station, N: x₀, y₀, x₁, …
-    fn forces(&self, at: &StepState, slices: &Slices) -> DVector<f64> {
+    fn station_forces(&self, state: &StepState, slices: &Slices) -> DVector<f64> {
         let (spacing, trailing) = (self.line.spacing, self.line.trailing);
-        let mut rate = &slices.momentum * at.gamma;
-        self.past.iter().zip(at.weights).for_each(|(past, weight)| rate.axpy(*weight, past, 1.0));
+        let mut rate = &slices.momentum * state.gamma;
+        self.past.iter().zip(state.weights).for_each(|(past, weight)| rate.axpy(*weight, past, 1.0));
         let mut forces = rate * -spacing;
         let between = |k: usize, axis: usize| 0.5 * (slices.flux[k][axis] + slices.flux[k + 1][axis]);
         for (k, drag) in slices.drag.iter().enumerate() {
             for axis in 0..2 {
-                let before = if k == 0 { slices.flux[0][axis] } else { between(k - 1, axis) };
+                let inflow = if k == 0 { slices.flux[0][axis] } else { between(k - 1, axis) };
                 let flux = match k {
-                    k if k < trailing => between(k, axis) - before,
-                    k if k == trailing => slices.flux[k][axis] - before,
+                    k if k < trailing => between(k, axis) - inflow,
+                    k if k == trailing => slices.flux[k][axis] - inflow,
                     _ => 0.0,
                 };
                 forces[2 * k + axis] += flux + spacing * drag[axis];
@@ -135,13 +135,13 @@ impl<'a> Water<'a> {
 }
 
 impl ExternalForce for Water<'_> {
-    fn force(&self, at: &StepState) -> DVector<f64> {
-        self.rows.tr_mul(&self.forces(at, &self.slices(at))) * self.fraction
+    fn force(&self, state: &StepState) -> DVector<f64> {
+        self.rows.tr_mul(&self.station_forces(state, &self.slices_of(state))) * self.fraction
     }
 
-    fn accept(&mut self, at: &StepState) {
-        let slices = self.slices(at);
-        self.forces = self.forces(at, &slices);
+    fn accept(&mut self, state: &StepState) {
+        let slices = self.slices_of(state);
+        self.forces = self.station_forces(state, &slices);
         let total = -self.forces.iter().step_by(2).sum::<f64>();
         self.total = WaterForce { thrust: -slices.flux[self.line.trailing][0], total };
         self.past.push_front(slices.momentum);
@@ -150,8 +150,8 @@ impl ExternalForce for Water<'_> {
 }
 
 /// Unit tangent of the line at station `k`.
-fn tangent(place: &DVector<f64>, k: usize, count: usize) -> Point2 {
+fn unit_tangent(position: &DVector<f64>, k: usize, count: usize) -> Point2 {
     let (a, b) = (k.saturating_sub(1), (k + 1).min(count - 1));
-    let d = [place[2 * b] - place[2 * a], place[2 * b + 1] - place[2 * a + 1]];
+    let d = [position[2 * b] - position[2 * a], position[2 * b + 1] - position[2 * a + 1]];
     d.map(|x| x / d[0].hypot(d[1]))
 }

@@ -8,7 +8,7 @@ use lab::truth::{self, TrueInflation};
 use mesh::wall::buckling_pressure;
 use si::{MILLIBAR, MILLIMETRE, Pascal};
 
-use super::{Comparison, range};
+use super::{Comparison, range_of};
 
 /// The tail with the walls of the photograph.
 const NAME: &str = "nemo";
@@ -26,35 +26,39 @@ const FOLDS: [f64; 2] = [150.0, 250.0];
 ///
 /// # Errors
 /// When its ground truth cannot be read.
-pub(super) fn comparisons(raw: &Path) -> Result<Vec<Comparison>> {
+pub(super) fn bending_comparisons(raw: &Path) -> Result<Vec<Comparison>> {
     let file = raw.join(NAME).join(lab::folder::TRUTH);
     if !file.is_file() {
         return Ok(Vec::new());
     }
     let sides = truth::read(&file)?.inflation;
-    let there = |of: fn(&TrueInflation) -> &Vec<f64>, unit: f64| {
-        range(sides.iter().map(|side| at_pressure(&side.pressure, of(side)).abs() / unit))
+    let range_at_pressure = |quantity: fn(&TrueInflation) -> &Vec<f64>, unit: f64| {
+        range_of(sides.iter().map(|side| at_pressure(&side.pressure, quantity(side)).abs() / unit))
     };
     // a wall that does not fold has its critical pressure nowhere: outside
     let folds = |side: &TrueInflation| buckling_pressure(&side.pressure, &side.dent).unwrap_or(f64::INFINITY);
     let degree = 1f64.to_radians();
     Ok(vec![
-        Comparison::new("turn of the end at 238 mbar, nemo (°)", TURN, there(|s| &s.rotation, degree)),
-        Comparison::new("bulge of the filled side there (mm)", FOLD, there(|s| &s.bulge, MILLIMETRE)),
-        Comparison::new("fold of the slack side there (mm)", FOLD, there(|s| &s.dent, MILLIMETRE)),
-        Comparison::new("pressure at which it folds (mbar)", FOLDS, range(sides.iter().map(|s| folds(s) / MILLIBAR))),
+        Comparison::new("turn of the end at 238 mbar, nemo (°)", TURN, range_at_pressure(|s| &s.rotation, degree)),
+        Comparison::new("bulge of the filled side there (mm)", FOLD, range_at_pressure(|s| &s.bulge, MILLIMETRE)),
+        Comparison::new("fold of the slack side there (mm)", FOLD, range_at_pressure(|s| &s.dent, MILLIMETRE)),
+        Comparison::new(
+            "pressure at which it folds (mbar)",
+            FOLDS,
+            range_of(sides.iter().map(|s| folds(s) / MILLIBAR)),
+        ),
     ])
 }
 
 /// `values` at the pressure of the photograph, linear between rising `pressures` (Pa); the last one where they end below.
 fn at_pressure(pressures: &[Pascal], values: &[f64]) -> f64 {
-    let after = pressures.partition_point(|p| *p < PRESSURE);
-    if after == 0 || after == values.len() {
-        return values.get(after).or(values.last()).copied().unwrap_or(0.0);
+    let upper_index = pressures.partition_point(|p| *p < PRESSURE);
+    if upper_index == 0 || upper_index == values.len() {
+        return values.get(upper_index).or(values.last()).copied().unwrap_or(0.0);
     }
-    let [p, q] = [after - 1, after].map(|i| pressures[i]);
+    let [p, q] = [upper_index - 1, upper_index].map(|i| pressures[i]);
     let part = (PRESSURE - p) / (q - p);
-    (1.0 - part) * values[after - 1] + part * values[after]
+    (1.0 - part) * values[upper_index - 1] + part * values[upper_index]
 }
 
 #[cfg(test)]

@@ -29,20 +29,23 @@ pub(crate) fn known_deviations() -> Vec<Deviation> {
 }
 
 /// The comparisons that lie outside the measured range and that no deviation names.
-pub(crate) fn unexplained<'a>(comparisons: &'a [Comparison], known: &[Deviation]) -> Vec<&'a Comparison> {
-    let named = |comparison: &Comparison| known.iter().any(|deviation| deviation.names(comparison));
-    comparisons.iter().filter(|comparison| !comparison.inside() && !named(comparison)).collect()
+pub(crate) fn unexplained_comparisons<'a>(
+    comparisons: &'a [Comparison],
+    deviations: &[Deviation],
+) -> Vec<&'a Comparison> {
+    let named = |comparison: &Comparison| deviations.iter().any(|deviation| deviation.names_quantity(comparison));
+    comparisons.iter().filter(|comparison| !comparison.is_inside() && !named(comparison)).collect()
 }
 
 /// A line for each known deviation whose quantity was compared: the reason, or that it deviates no longer.
-pub(crate) fn explanation(comparisons: &[Comparison], known: &[Deviation]) -> String {
+pub(crate) fn explanation_text(comparisons: &[Comparison], deviations: &[Deviation]) -> String {
     let mut text = String::new();
-    for deviation in known {
-        let mut compared = comparisons.iter().filter(|comparison| deviation.names(comparison)).peekable();
+    for deviation in deviations {
+        let mut compared = comparisons.iter().filter(|comparison| deviation.names_quantity(comparison)).peekable();
         if compared.peek().is_none() {
             continue;
         }
-        let outside = compared.any(|comparison| !comparison.inside());
+        let outside = compared.any(|comparison| !comparison.is_inside());
         let word = if outside { &*deviation.reason } else { "inside by now: remove it from known_deviations.toml" };
         writeln!(text, "known deviation, {}: {word}", deviation.quantity).expect("a string takes any text");
     }
@@ -50,7 +53,7 @@ pub(crate) fn explanation(comparisons: &[Comparison], known: &[Deviation]) -> St
 }
 
 impl Deviation {
-    fn names(&self, comparison: &Comparison) -> bool {
+    fn names_quantity(&self, comparison: &Comparison) -> bool {
         comparison.quantity.starts_with(&self.quantity)
     }
 }
@@ -74,7 +77,7 @@ mod tests {
     fn what_lies_outside_without_an_entry_is_unexplained() {
         let known = [Deviation { quantity: "force".into(), reason: "it bends far".into() }];
         let all = [comparison("force at 1 Hz", 2.0), comparison("noise", 2.0), comparison("drift", 0.9)];
-        let names: Vec<&str> = unexplained(&all, &known).iter().map(|c| &*c.quantity).collect();
+        let names: Vec<&str> = unexplained_comparisons(&all, &known).iter().map(|c| &*c.quantity).collect();
         assert_eq!(names, ["noise"]);
     }
 
@@ -82,7 +85,7 @@ mod tests {
     fn an_entry_is_explained_and_one_that_deviates_no_longer_is_named() {
         let known = |quantity: &str| Deviation { quantity: quantity.into(), reason: "it bends far".into() };
         let known = [known("force"), known("noise"), known("not compared")];
-        let text = explanation(&[comparison("force at 1 Hz", 2.0), comparison("noise", 0.9)], &known);
+        let text = explanation_text(&[comparison("force at 1 Hz", 2.0), comparison("noise", 0.9)], &known);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "known deviation, force: it bends far");
         assert!(lines.len() == 2 && lines[1].starts_with("known deviation, noise: inside by now"), "{text}");

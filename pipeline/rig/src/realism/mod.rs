@@ -18,7 +18,7 @@ use diagnostics::Result;
 
 use crate::settings::Settings;
 use crate::specimens::ALL;
-pub(crate) use deviation::{explanation, known_deviations, unexplained};
+pub(crate) use deviation::{explanation_text, known_deviations, unexplained_comparisons};
 
 /// One quantity of real instruments and of the bench.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,26 +38,26 @@ impl Comparison {
     }
 
     /// Whether the bench's range is inside the measured one.
-    pub(crate) fn inside(&self) -> bool {
+    pub(crate) fn is_inside(&self) -> bool {
         self.measured[0] <= self.bench[0] && self.bench[1] <= self.measured[1]
     }
 }
 
 /// Least and greatest of `values`.
-fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+fn range_of(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
 }
 
 /// Rounded to the digits of the measurements.
-fn rounded(value: f64) -> f64 {
+fn rounded_value(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
 
 /// All comparisons of the instruments.
-pub(crate) fn comparisons(set: &Settings) -> Vec<Comparison> {
-    let mut comparisons = valve::comparisons(&set.valve);
-    comparisons.extend(cell::comparisons(set));
-    comparisons.extend(silicone::comparisons(set));
+pub(crate) fn instrument_comparisons(set: &Settings) -> Vec<Comparison> {
+    let mut comparisons = valve::valve_comparisons(&set.valve);
+    comparisons.extend(cell::cell_comparisons(set));
+    comparisons.extend(silicone::silicone_comparisons(set));
     comparisons
 }
 
@@ -66,29 +66,29 @@ pub(crate) fn comparisons(set: &Settings) -> Vec<Comparison> {
 /// # Errors
 /// When a recording of the bench cannot be read.
 pub(crate) fn with_recordings(set: &Settings, raw: &Path) -> Result<Vec<Comparison>> {
-    let mut all = comparisons(set);
-    all.extend(water::comparisons(raw, &ALL.iter().map(|specimen| &*specimen.name).collect::<Vec<_>>())?);
-    all.extend(bending::comparisons(raw)?);
-    Ok(all)
+    let mut comparisons = instrument_comparisons(set);
+    comparisons.extend(water::water_comparisons(raw, &ALL.iter().map(|specimen| &*specimen.name).collect::<Vec<_>>())?);
+    comparisons.extend(bending::bending_comparisons(raw)?);
+    Ok(comparisons)
 }
 
 /// The comparisons as CSV with fixed digits.
-pub(crate) fn csv(comparisons: &[Comparison]) -> String {
+pub(crate) fn comparisons_csv(comparisons: &[Comparison]) -> String {
     let mut text = String::from("# virtual bench compared with real instruments\n");
     text.push_str("quantity,measured_low,measured_high,bench_low,bench_high,inside\n");
     for f in comparisons {
-        let ([low, high], [from, to], inside) = (f.measured.map(rounded), f.bench, f.inside());
+        let ([low, high], [from, to], inside) = (f.measured.map(rounded_value), f.bench, f.is_inside());
         writeln!(text, "{},{low},{high},{from:.4},{to:.4},{inside}", f.quantity).expect("a string takes any text");
     }
     text
 }
 
 /// The comparisons as text, one a line.
-pub(crate) fn table(comparisons: &[Comparison]) -> String {
+pub(crate) fn comparisons_table(comparisons: &[Comparison]) -> String {
     let mut text = format!("{:<52} {:>17} {:>19}\n", "quantity", "measured", "bench");
     for f in comparisons {
-        let word = if f.inside() { "inside" } else { "OUTSIDE" };
-        let measured = format!("{} to {}", rounded(f.measured[0]), rounded(f.measured[1]));
+        let word = if f.is_inside() { "inside" } else { "OUTSIDE" };
+        let measured = format!("{} to {}", rounded_value(f.measured[0]), rounded_value(f.measured[1]));
         let bench = format!("{:.3} to {:.3}", f.bench[0], f.bench[1]);
         writeln!(text, "{:<52} {measured:>17} {bench:>19}  {word}", f.quantity).expect("a string takes any text");
     }
@@ -101,15 +101,16 @@ mod tests {
 
     #[test]
     fn every_quantity_of_the_bench_is_inside_the_measured_range() {
-        let outside: Vec<Comparison> = comparisons(&Settings::built_in()).into_iter().filter(|f| !f.inside()).collect();
-        assert!(outside.is_empty(), "{}", table(&outside));
+        let outside: Vec<Comparison> =
+            instrument_comparisons(&Settings::built_in()).into_iter().filter(|f| !f.is_inside()).collect();
+        assert!(outside.is_empty(), "{}", comparisons_table(&outside));
     }
 
     #[test]
     fn a_valve_that_is_too_slow_is_detected() {
         let mut set = Settings::built_in();
         set.valve.fill *= 2.0;
-        assert!(comparisons(&set).iter().any(|f| !f.inside() && f.quantity.contains("within 5 %")));
+        assert!(instrument_comparisons(&set).iter().any(|f| !f.is_inside() && f.quantity.contains("within 5 %")));
     }
 
     #[test]
@@ -117,23 +118,23 @@ mod tests {
         let two =
             [Comparison::new("a (Hz)", [1.8, 2.00004], [1.9, 1.95]), Comparison::new("b", [0.0, 1.0], [0.5, 1.5])];
         let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
-        let lines: Vec<Vec<String>> = table(&two).lines().map(words).collect();
+        let lines: Vec<Vec<String>> = comparisons_table(&two).lines().map(words).collect();
         assert_eq!(lines[1], ["a", "(Hz)", "1.8", "to", "2", "1.900", "to", "1.950", "inside"]);
         assert_eq!(lines[2].last().unwrap(), "OUTSIDE");
-        assert_eq!(csv(&two).lines().nth(2), Some("a (Hz),1.8,2,1.9000,1.9500,true"));
+        assert_eq!(comparisons_csv(&two).lines().nth(2), Some("a (Hz),1.8,2,1.9000,1.9500,true"));
     }
 
     #[test]
     fn instruments_and_silicone_are_compared_in_many_quantities() {
-        let all = comparisons(&Settings::built_in());
+        let all = instrument_comparisons(&Settings::built_in());
         let of = |word: &str| all.iter().filter(|c| c.quantity.starts_with(word)).count();
         let counts = ["silicone", "tank", "fill"].map(of);
-        assert!(counts[0] == 2 && counts[1..].iter().all(|count| *count >= 3), "{}", table(&all));
+        assert!(counts[0] == 2 && counts[1..].iter().all(|count| *count >= 3), "{}", comparisons_table(&all));
     }
 
     #[test]
     fn the_comparisons_are_reproducible() {
         let set = Settings::built_in();
-        assert_eq!(csv(&comparisons(&set)), csv(&comparisons(&set)));
+        assert_eq!(comparisons_csv(&instrument_comparisons(&set)), comparisons_csv(&instrument_comparisons(&set)));
     }
 }

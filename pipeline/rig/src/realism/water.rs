@@ -11,7 +11,7 @@ use lab::truth::{TrueForce, TrueTrial, Truth};
 use lab::{ForceLog, Specimen};
 use si::{MILLIBAR, Newton, Second};
 
-use super::{Comparison, range};
+use super::{Comparison, range_of};
 
 /// Tail, mbar, Hz, mean force in water (N). The twelve-chambered and the stiffer tail were measured once for all frequencies.
 const MEANS: [(&str, f64, Option<f64>, Newton); 11] = [
@@ -50,16 +50,16 @@ struct Run {
 ///
 /// # Errors
 /// When a recording of the bench cannot be read.
-pub(super) fn comparisons(raw: &Path, names: &[&str]) -> Result<Vec<Comparison>> {
+pub(super) fn water_comparisons(raw: &Path, names: &[&str]) -> Result<Vec<Comparison>> {
     let mut runs = Vec::new();
     for folder in names.iter().map(|name| raw.join(name)).filter(|folder| folder.is_dir()) {
         runs.extend(of_specimen(&folder)?);
     }
     let mut comparisons: Vec<Comparison> = MEANS.iter().filter_map(|row| mean_comparison(row, &runs)).collect();
     if !runs.is_empty() {
-        let least = |of: fn(&Run) -> Newton| range(runs.iter().map(of));
-        comparisons.push(Comparison::new("least force in water (N)", [-10.0, 0.0], least(|run| run.least)));
-        let thrust = least(|run| if run.thrust > -ROUNDING { run.thrust.max(0.0) } else { run.thrust });
+        let least_over_runs = |quantity: fn(&Run) -> Newton| range_of(runs.iter().map(quantity));
+        comparisons.push(Comparison::new("least force in water (N)", [-10.0, 0.0], least_over_runs(|run| run.least)));
+        let thrust = least_over_runs(|run| if run.thrust > -ROUNDING { run.thrust.max(0.0) } else { run.thrust });
         comparisons.push(Comparison::new("least thrust of the water (N)", [0.0, 10.0], thrust));
     }
     Ok(comparisons)
@@ -73,9 +73,9 @@ fn mean_comparison(
         let same_frequency = frequency.is_none_or(|f| (run.frequency - f).abs() < 0.01);
         run.tail == *tail && (run.pressure - pressure).abs() < 0.5 && same_frequency
     };
-    let bench = range(runs.iter().filter(same).map(|run| run.mean));
-    let at = frequency.map_or_else(|| "any frequency".to_owned(), |f| format!("{f} Hz"));
-    let quantity = format!("{tail}: mean force in water at {pressure} mbar and {at} (N)");
+    let bench = range_of(runs.iter().filter(same).map(|run| run.mean));
+    let condition = frequency.map_or_else(|| "any frequency".to_owned(), |f| format!("{f} Hz"));
+    let quantity = format!("{tail}: mean force in water at {pressure} mbar and {condition} (N)");
     bench[0].is_finite().then(|| Comparison::new(quantity, [mean / FACTOR, mean * FACTOR], bench))
 }
 
@@ -102,9 +102,9 @@ fn of_trial(specimen: &Specimen, truth: &Truth, trial: &Trial) -> Result<Option<
     let (Some(file), Some(hidden), Some(cell)) = (&trial.force, hidden, cell) else { return Ok(None) };
     let log = lab::force::read(&specimen.file(file)).map_err(in_trial)?;
     let parts = cell.forces.as_ref().map(|parts| lab::truth::read_forces(&specimen.file(parts))).transpose();
-    let thrust = parts.map_err(in_trial)?.map_or(0.0, |parts| range(parts.thrust)[0]);
-    let on = cell.clock_offset + cell.clock_scale * hidden.led_on;
-    let (mean, least) = over_cycles(&log, on, frequency, cycles);
+    let thrust = parts.map_err(in_trial)?.map_or(0.0, |parts| range_of(parts.thrust)[0]);
+    let lamp_on = cell.clock_offset + cell.clock_scale * hidden.led_on;
+    let (mean, least) = over_cycles(&log, lamp_on, frequency, cycles);
     let (tail, pressure) = (specimen.card.name.clone(), amplitude / MILLIBAR);
     Ok(Some(Run { tail, pressure, frequency, mean, least, thrust }))
 }
@@ -118,7 +118,7 @@ fn over_cycles(log: &ForceLog, on: Second, frequency: f64, cycles: usize) -> (Ne
     let mean = |forces: &[Newton]| forces.iter().sum::<f64>() / forces.len().max(1) as f64;
     let zero = mean(&within(f64::NEG_INFINITY, on - MARGIN));
     let flapping = within(on + 1.0 / frequency, on + cycles as f64 / frequency);
-    (mean(&flapping) - zero, range(flapping)[0] - zero)
+    (mean(&flapping) - zero, range_of(flapping)[0] - zero)
 }
 
 #[cfg(test)]
@@ -160,6 +160,8 @@ mod tests {
 
     #[test]
     fn without_recordings_there_is_no_comparison() {
-        assert!(comparisons(Path::new("/a folder that is not there"), &["nemo"]).is_ok_and(|found| found.is_empty()));
+        assert!(
+            water_comparisons(Path::new("/a folder that is not there"), &["nemo"]).is_ok_and(|found| found.is_empty())
+        );
     }
 }

@@ -39,18 +39,18 @@ impl<'a> InProgress<'a> {
     ///
     /// # Errors
     /// When the folder of the locks cannot be written.
-    pub(super) fn of(specimen: &'a Specimen, request: &'a Request<'a>) -> Result<Self> {
+    pub(super) fn of_specimen(specimen: &'a Specimen, request: &'a Request<'a>) -> Result<Self> {
         let (into, name) = (request.into, &*specimen.name);
         let holder = Holder::enter(&into.join(LOCKS).join("holders"))?;
-        let stamp = stamp::text(specimen, request.profile);
-        Ok(Self { request, name, stamp, at: into.join(name), folder: folder::partial(into, name), holder })
+        let stamp = stamp::stamp_text(specimen, request.profile);
+        Ok(Self { request, name, stamp, at: into.join(name), folder: folder::partial_folder(into, name), holder })
     }
 
     /// Waits for the lock of a part.
     ///
     /// # Errors
     /// When its file cannot be made.
-    pub(super) fn lock(&self, part: &str) -> Result<Lock<'_>> {
+    pub(super) fn lock_part(&self, part: &str) -> Result<Lock<'_>> {
         let path = self.request.into.join(LOCKS).join(self.name).join(part);
         let mut is_told = false;
         loop {
@@ -62,8 +62,8 @@ impl<'a> InProgress<'a> {
                 Attempt::Busy(_) if is_told => {}
                 Attempt::Busy(other) => {
                     is_told = true;
-                    let place = format!("{}/{part}", self.name);
-                    self.request.progress.line("wait", &place, &format!("{other} works on it"));
+                    let part_name = format!("{}/{part}", self.name);
+                    self.request.progress.print_line("wait", &part_name, &format!("{other} works on it"));
                 }
             }
             std::thread::sleep(POLL);
@@ -74,12 +74,12 @@ impl<'a> InProgress<'a> {
     ///
     /// # Errors
     /// When the folder was not made by the bench, or the partial folder cannot be made.
-    pub(super) fn begin(&self) -> Result<bool> {
-        let _lock = self.lock(FOLDER)?;
-        if stamp::inspect(&self.at, &self.stamp)? == FolderState::Current {
+    pub(super) fn begin_recording(&self) -> Result<bool> {
+        let _lock = self.lock_part(FOLDER)?;
+        if stamp::inspect_folder(&self.at, &self.stamp)? == FolderState::Current {
             return Ok(false);
         }
-        folder::begin(&self.at, &self.folder, (stamp::FILE, &self.stamp))?;
+        folder::begin_recording(&self.at, &self.folder, (stamp::FILE, &self.stamp))?;
         Ok(true)
     }
 
@@ -87,18 +87,18 @@ impl<'a> InProgress<'a> {
     ///
     /// # Errors
     /// Those of making and saving; also when the recording was meanwhile finished or begun anew by another process.
-    pub(super) fn once<T>(
+    pub(super) fn make_once<T>(
         &self,
         part: &str,
         load: &dyn Fn() -> Option<T>,
         make: &dyn Fn() -> Result<T>,
         save: &dyn Fn(&T) -> Result<()>,
     ) -> Result<T> {
-        let lock = self.lock(part)?;
-        if let Some(made) = load() {
-            return Ok(made);
+        let lock = self.lock_part(part)?;
+        if let Some(content) = load() {
+            return Ok(content);
         }
-        let made = make()?;
+        let content = make()?;
         // without its stamp the folder is another recording's by now; without the lock another process writes the same files
         let is_own =
             input::read_text(&self.folder.join(stamp::FILE), input::PAGE).is_ok_and(|found| found == self.stamp);
@@ -106,18 +106,18 @@ impl<'a> InProgress<'a> {
             let why = "another process has begun it anew, or took this one for dead";
             return Err(Diagnostic::new(format!("the recording of `{part}` is lost"), why, "run again"));
         }
-        save(&made)?;
-        Ok(made)
+        save(&content)?;
+        Ok(content)
     }
 
     /// Replaces the former recording by the partial folder, of which every part is made.
     ///
     /// # Errors
     /// When a folder cannot be removed or renamed.
-    pub(super) fn finish(&self) -> Result<()> {
-        let _lock = self.lock(FOLDER)?;
+    pub(super) fn finish_recording(&self) -> Result<()> {
+        let _lock = self.lock_part(FOLDER)?;
         // checkpoints last: killed among their removal, an unfinished folder would have lost parts that were made
-        folder::finish(&self.folder, &self.at)?;
-        checkpoint::clear(&self.at)
+        folder::finish_recording(&self.folder, &self.at)?;
+        checkpoint::clear_all(&self.at)
     }
 }

@@ -63,8 +63,8 @@ const WHOLE: &str = "whole";
 
 /// The parts of a recording besides the trials, in the order in which they are needed, and the names of the trials.
 pub fn parts(specimen: &Specimen, request: &Request) -> ([&'static str; 2], Vec<String>) {
-    let own = &request.set.specimen[&*specimen.name];
-    let trials = card::trials(own, &request.set.profile[request.profile]);
+    let specimen_settings = &request.set.specimen[&*specimen.name];
+    let trials = card::planned_trials(specimen_settings, &request.set.profile[request.profile]);
     ([STATICS, CALIBRATION], trials.into_iter().map(|trial| trial.id).collect())
 }
 
@@ -75,17 +75,17 @@ pub fn parts(specimen: &Specimen, request: &Request) -> ([&'static str; 2], Vec<
 pub fn record(specimen: &Specimen, request: &Request) -> Result<Status> {
     if is_current(specimen, request)? {
         // it still has them where it was killed after its last step
-        checkpoint::clear(&request.into.join(&*specimen.name))?;
+        checkpoint::clear_all(&request.into.join(&*specimen.name))?;
         return Ok(Status::UpToDate);
     }
-    let recording = InProgress::of(specimen, request)?;
-    let _whole = recording.lock(WHOLE)?;
-    if !recording.begin()? {
+    let recording = InProgress::of_specimen(specimen, request)?;
+    let _whole = recording.lock_part(WHOLE)?;
+    if !recording.begin_recording()? {
         return Ok(Status::UpToDate);
     }
-    let made = || fill(&Setup::new(specimen, request)?, &recording);
-    made().map_err(|e| e.of(&*specimen.name))?;
-    recording.finish()?;
+    let record_all_parts = || record_parts(&Setup::new(specimen, request)?, &recording);
+    record_all_parts().map_err(|e| e.of(&*specimen.name))?;
+    recording.finish_recording()?;
     Ok(Status::Recorded)
 }
 
@@ -95,100 +95,100 @@ pub fn record(specimen: &Specimen, request: &Request) -> Result<Status> {
 /// # Errors
 /// As [`record`]; also when there is no such part.
 pub fn record_part(specimen: &Specimen, request: &Request, part: &str) -> Result<Status> {
-    let (others, trials) = parts(specimen, request);
-    if !others.contains(&part) && !trials.iter().any(|id| id == part) {
-        let known = format!("it has {}, {}", others.join(", "), trials.join(", "));
-        let what = format!("the recording of `{}` has no part `{part}`", specimen.name);
-        return Err(Diagnostic::new(what, known, "name one of these"));
+    let (other_parts, trials) = parts(specimen, request);
+    if !other_parts.contains(&part) && !trials.iter().any(|id| id == part) {
+        let known_parts = format!("it has {}, {}", other_parts.join(", "), trials.join(", "));
+        let message = format!("the recording of `{}` has no part `{part}`", specimen.name);
+        return Err(Diagnostic::new(message, known_parts, "name one of these"));
     }
     if is_current(specimen, request)? {
         return Ok(Status::UpToDate);
     }
-    let recording = InProgress::of(specimen, request)?;
-    if !recording.begin()? {
+    let recording = InProgress::of_specimen(specimen, request)?;
+    if !recording.begin_recording()? {
         return Ok(Status::UpToDate);
     }
-    let made = || fill_part(&Setup::new(specimen, request)?, &recording, part);
-    made().map_err(|e| e.of(&*specimen.name))?;
+    let record_chosen_part = || fill_part(&Setup::new(specimen, request)?, &recording, part);
+    record_chosen_part().map_err(|e| e.of(&*specimen.name))?;
     Ok(Status::Recorded)
 }
 
 fn is_current(specimen: &Specimen, request: &Request) -> Result<bool> {
-    let stamp = stamp::text(specimen, request.profile);
-    Ok(stamp::inspect(&request.into.join(&*specimen.name), &stamp)? == FolderState::Current)
+    let stamp = stamp::stamp_text(specimen, request.profile);
+    Ok(stamp::inspect_folder(&request.into.join(&*specimen.name), &stamp)? == FolderState::Current)
 }
 
 fn fill_part(setup: &Setup, recording: &InProgress, part: &str) -> Result<()> {
     match part {
-        CALIBRATION => calibrate(setup, recording),
-        STATICS => Statics::of(setup, recording).map(|_| ()),
+        CALIBRATION => record_calibration(setup, recording),
+        STATICS => Statics::of_setup(setup, recording).map(|_| ()),
         id => {
             let trial = setup.trials.iter().find(|trial| trial.id == id).expect("the part was found among the trials");
-            let Statics { sweeps, reduced } = Statics::of(setup, recording)?;
-            setup.on_bench((&sweeps, &reduced), &|bench| once(bench, trial, recording).map(|_| ()))
+            let Statics { sweeps, reduced } = Statics::of_setup(setup, recording)?;
+            setup.on_bench((&sweeps, &reduced), &|bench| trial_once(bench, trial, recording).map(|_| ()))
         }
     }
 }
 
-fn fill(setup: &Setup, recording: &InProgress) -> Result<()> {
+fn record_parts(setup: &Setup, recording: &InProgress) -> Result<()> {
     write_solids(setup.name, &setup.tail, setup.request.set.cad.fineness, &recording.folder)?;
-    let Statics { sweeps, reduced } = Statics::of(setup, recording)?;
+    let Statics { sweeps, reduced } = Statics::of_setup(setup, recording)?;
     setup.on_bench((&sweeps, &reduced), &|bench| fill_with(setup, recording, bench))
 }
 
 fn fill_with(setup: &Setup, recording: &InProgress, bench: &Bench) -> Result<()> {
     let Setup { name, tail, trials, .. } = setup;
-    let (set, folder, film) = (bench.set, &recording.folder, setup.film());
+    let (set, folder, film) = (bench.set, &recording.folder, setup.calibration_film());
     let observed = setup.observe_at_rest()?;
-    let card = card::write(&CardContent { name, set, tail, trials }, &observed, &film);
-    folder::write(folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;
+    let card = card::write_card(&CardContent { name, set, tail, trials }, &observed, &film);
+    folder::write_file(folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;
     let (trial, mut force) = record_all(setup, recording, bench)?;
     for fixture in &card.fixture {
         force.push(force_log::record_fixture(set, bench.seed, fixture, folder)?);
     }
-    let truth = truth::of(setup, bench, (trial, force));
-    folder::write(folder, lab::folder::TRUTH, lab::truth::write(&truth).as_bytes())
+    let truth = truth::recording_truth(setup, bench, (trial, force));
+    folder::write_file(folder, lab::folder::TRUTH, lab::truth::write(&truth).as_bytes())
 }
 
 /// Records the calibration and every trial in parallel; results are in the card's order.
 fn record_all(setup: &Setup, recording: &InProgress, bench: &Bench) -> Result<(Vec<TrueTrial>, Vec<TrueForce>)> {
-    let one = |trial: &Trial| once(bench, trial, recording);
-    let all = || setup.trials.par_iter().map(one).collect::<Result<Vec<_>>>();
-    let (calibrated, recorded) = rayon::join(|| calibrate(setup, recording), all);
+    let record_one = |trial: &Trial| trial_once(bench, trial, recording);
+    let record_trials = || setup.trials.par_iter().map(record_one).collect::<Result<Vec<_>>>();
+    let (calibrated, recorded) = rayon::join(|| record_calibration(setup, recording), record_trials);
     let (trials, forces): (Vec<_>, Vec<_>) = calibrated.and(recorded)?.into_iter().map(|t| (t.trial, t.force)).unzip();
     Ok((trials, forces.into_iter().flatten().collect()))
 }
 
 /// Records a trial, unless it has a checkpoint.
-fn once(bench: &Bench, trial: &Trial, recording: &InProgress) -> Result<TrialTruth> {
+fn trial_once(bench: &Bench, trial: &Trial, recording: &InProgress) -> Result<TrialTruth> {
     let id = &trial.id;
-    recording.once(
+    recording.make_once(
         id,
-        &|| checkpoint::load(&recording.folder, id),
-        &|| trial::record(bench, trial, &recording.folder),
-        &|truth| checkpoint::save(&recording.folder, id, truth),
+        &|| checkpoint::load_trial(&recording.folder, id),
+        &|| trial::record_trial(bench, trial, &recording.folder),
+        &|truth| checkpoint::save_trial(&recording.folder, id, truth),
     )
 }
 
-fn calibrate(setup: &Setup, recording: &InProgress) -> Result<()> {
-    let (folder, film) = (&recording.folder, setup.film());
+fn record_calibration(setup: &Setup, recording: &InProgress) -> Result<()> {
+    let (folder, film) = (&recording.folder, setup.calibration_film());
     let make = || {
         let request = setup.request;
-        let task = request.progress.begin("film", format!("{}/{CALIBRATION}", setup.name), film.frames());
-        let path = folder::prepared(folder, card::CALIBRATION_FILE)?;
-        film.write(&path, request.set, &setup.renderer, &|| task.tick())?;
-        task.done(&format!("{} frames", film.frames()));
+        let task = request.progress.begin_step("film", format!("{}/{CALIBRATION}", setup.name), film.frame_count());
+        let path = folder::prepared_path(folder, card::CALIBRATION_FILE)?;
+        film.write_film(&path, request.set, &setup.renderer, &|| task.count_part())?;
+        task.end_step(&format!("{} frames", film.frame_count()));
         Ok(())
     };
-    let made = || checkpoint::load_bytes(folder, CALIBRATION).map(|_| ());
-    recording.once(CALIBRATION, &made, &make, &|()| checkpoint::save_bytes(folder, CALIBRATION, &[]))
+    let is_made = || checkpoint::load_bytes(folder, CALIBRATION).map(|_| ());
+    recording.make_once(CALIBRATION, &is_made, &make, &|()| checkpoint::save_bytes(folder, CALIBRATION, &[]))
 }
 
 fn write_solids(name: &str, tail: &Tail, fineness: Metre, folder: &Path) -> Result<()> {
     let (body, spine) = tail.solids(fineness).map_err(|e| Diagnostic::from(e).while_doing("the STL files"))?;
     for (file, part, surface) in [(card::BODY_FILE, "body", body), (card::SPINE_FILE, "spine", spine)] {
         let title = format!("{}: {part} of {name}", lab::VIRTUAL_BENCH);
-        folder::write(folder, file, &mesh::stl::write(&surface, MILLIMETRE, &title))?;
+        folder::write_file(folder, file, &mesh::stl::write(&surface, MILLIMETRE, &title))?;
     }
     Ok(())
 }

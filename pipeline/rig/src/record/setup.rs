@@ -17,7 +17,7 @@ use crate::card::{self, RestObservation};
 use crate::physics::{self, Body, BodySettings, CentreLine, FlappingModel, Fluid, PressureSweep, SoftenedModel};
 use crate::random::RandomStream;
 use crate::renderer::{Renderer, Subject};
-use crate::scene::canvas::centroid;
+use crate::scene::canvas::area_centroid;
 use crate::scene::mark::Mark;
 use crate::scene::skin::Skin;
 use crate::settings::{self, Profile, Settings};
@@ -63,33 +63,36 @@ impl<'a> Setup<'a> {
         let settings = BodySettings { resolution: &profile.resolution, clamp: own.clamp, laws };
         let body = Body::new(&tail, &settings, &hidden)?;
         let renderer = Renderer::new(set, own.seed, own.clamp);
-        let places = card::painted(&tail, own, &hidden.marks);
-        let subject = Subject { skin: Skin::new(&body.mesh), marks: paint(&body, &places, own.marker_diameter)? };
+        let places = card::painted_marks(&tail, own, &hidden.marks);
+        let subject = Subject { skin: Skin::new(&body.mesh), marks: paint_marks(&body, &places, own.marker_diameter)? };
         let marks = places.into_iter().map(|(name, _)| name).collect();
-        let trials = card::trials(own, profile);
+        let trials = card::planned_trials(own, profile);
         Ok(Self { request, name, own, profile, tail, hidden, body, renderer, subject, marks, trials })
     }
 
     /// The pressures of each side's sweep, Pa.
-    pub(super) fn pressures(&self) -> Vec<Pascal> {
+    pub(super) fn sweep_pressures(&self) -> Vec<Pascal> {
         let set = self.request.set;
-        physics::even_pressures(self.own.highest() * (1.0 + set.causes.supply) - set.valve.droop, self.profile.levels)
+        physics::even_pressures(
+            self.own.highest_pressure() * (1.0 + set.causes.supply) - set.valve.droop,
+            self.profile.levels,
+        )
     }
 
     /// The centre line of the tail as it was cast.
     pub(super) fn centre_line(&self) -> CentreLine {
-        CentreLine::of(&self.hidden.cast(&self.tail), &self.body, self.own.clamp)
+        CentreLine::of_tail(&self.hidden.cast_tail(&self.tail), &self.body, self.own.clamp)
     }
 
     /// Where the silicone does not adhere to the sheet.
-    pub(super) fn unbonded(&self) -> Option<Unbonded> {
-        let tail = self.hidden.cast(&self.tail);
+    pub(super) fn true_unbonded(&self) -> Option<Unbonded> {
+        let tail = self.hidden.cast_tail(&self.tail);
         let ([from, to], side) = (tail.unbonded_stretch()?, tail.unbonded?.side);
         Some(Unbonded { side: if side == 0 { "-y" } else { "+y" }.to_owned(), from, to })
     }
 
     /// The calibration film.
-    pub(super) fn film(&self) -> Calibration {
+    pub(super) fn calibration_film(&self) -> Calibration {
         Calibration::new(self.request.set, &self.renderer, self.profile.poses, self.own.seed)
     }
 
@@ -102,8 +105,8 @@ impl<'a> Setup<'a> {
         (sweeps, reduced): (&[PressureSweep; 2], &fem::ReducedModelData),
         run: &dyn Fn(&Bench) -> Result<T>,
     ) -> Result<T> {
-        let flapping_model = FlappingModel::of(&self.body, self.centre_line(), sweeps, reduced)?;
-        let softened = self.softened(&flapping_model, &sweeps[0].pressures)?;
+        let flapping_model = FlappingModel::of_reduced_data(&self.body, self.centre_line(), sweeps, reduced)?;
+        let softened = self.softened_models(&flapping_model, &sweeps[0].pressures)?;
         let Request { set, progress, .. } = *self.request;
         run(&Bench {
             set,
@@ -114,7 +117,7 @@ impl<'a> Setup<'a> {
             sweeps,
             flapping_model: &flapping_model,
             softened: &softened,
-            fluid: fluid(set, self.own.seed),
+            fluid: draw_fluid(set, self.own.seed),
             renderer: &self.renderer,
             subject: &self.subject,
             marks: &self.marks,
@@ -123,50 +126,53 @@ impl<'a> Setup<'a> {
     }
 
     /// The model after the cycles of every amplitude among the trials.
-    fn softened(&self, model: &FlappingModel, pressures: &[Pascal]) -> Result<Vec<(Pascal, SoftenedModel)>> {
+    fn softened_models(&self, model: &FlappingModel, pressures: &[Pascal]) -> Result<Vec<(Pascal, SoftenedModel)>> {
         let amplitude = |trial: &Trial| match trial.experiment {
             Experiment::Flapping { amplitude, .. } => Some(amplitude),
             Experiment::Staircase { .. } => None,
         };
-        let mut all: Vec<Pascal> = self.trials.iter().filter_map(amplitude).collect();
-        all.sort_by(f64::total_cmp);
-        all.dedup();
+        let mut amplitudes: Vec<Pascal> = self.trials.iter().filter_map(amplitude).collect();
+        amplitudes.sort_by(f64::total_cmp);
+        amplitudes.dedup();
         let mullins = &self.request.set.causes.mullins;
-        all.into_par_iter().map(|amplitude| Ok((amplitude, model.softened(mullins, pressures, amplitude)?))).collect()
+        amplitudes
+            .into_par_iter()
+            .map(|amplitude| Ok((amplitude, model.softened_model(mullins, pressures, amplitude)?)))
+            .collect()
     }
 
     /// The pixels of the marks and of the lamp while the tail is at rest.
     pub(super) fn observe_at_rest(&self) -> Result<RestObservation> {
         let (camera, lamp, rest) = (&self.renderer.camera, &self.request.set.lamp, &self.body.mesh.nodes);
         let outside = || {
-            let what = "a mark or the lamp is outside the picture";
-            in_settings(what, "the card gives their pixels at rest", "move the camera, the mark or the lamp")
+            let message = "a mark or the lamp is outside the picture";
+            in_settings(message, "the card gives their pixels at rest", "move the camera, the mark or the lamp")
         };
         let marks = self.subject.marks.iter().map(|m| m.pixel_at_rest(camera, rest)).collect::<Option<Vec<_>>>();
         let rim = camera.outline(&flat_disc(lamp.at, lamp.radius, 48)).ok_or_else(outside)?;
-        let middle = centroid(&rim);
+        let middle = area_centroid(&rim);
         let radius = rim.iter().map(|p| (p[0] - middle[0]).hypot(p[1] - middle[1])).fold(f64::INFINITY, f64::min);
         Ok(RestObservation { marks: marks.ok_or_else(outside)?, lamp: (middle, radius) })
     }
 }
 
 /// The water of a specimen's recordings.
-fn fluid(set: &Settings, seed: u64) -> Fluid {
+fn draw_fluid(set: &Settings, seed: u64) -> Fluid {
     let mut random = RandomStream::new(seed, "fluid");
     let (added, drag) = (random.uniform(set.fluid.added), random.uniform(set.fluid.drag));
     Fluid { density: set.fluid.density, added, drag }
 }
 
-fn paint(body: &Body, places: &[(String, si::Point3)], diameter: Metre) -> Result<Vec<Mark>> {
-    let painted = |(name, at): &(String, si::Point3)| {
-        let (mark, distance) = Mark::paint(&body.mesh, *at, diameter);
+fn paint_marks(body: &Body, places: &[(String, si::Point3)], diameter: Metre) -> Result<Vec<Mark>> {
+    let painted = |(name, position): &(String, si::Point3)| {
+        let (mark, distance) = Mark::paint_on_skin(&body.mesh, *position, diameter);
         if distance <= SKIN_DISTANCE_LIMIT {
             return Ok(mark);
         }
-        let x = at[0] / MILLIMETRE;
-        let what = format!("mark {name} at x = {x:.1} mm is {:.2} mm from the skin", distance / MILLIMETRE);
+        let x = position[0] / MILLIMETRE;
+        let message = format!("mark {name} at x = {x:.1} mm is {:.2} mm from the skin", distance / MILLIMETRE);
         let why = format!("the limit is {:.2} mm", SKIN_DISTANCE_LIMIT / MILLIMETRE);
-        Err(in_settings(&what, &why, "choose an x on the back of the silicone, or a finer mesh"))
+        Err(in_settings(&message, &why, "choose an x on the back of the silicone, or a finer mesh"))
     };
     places.iter().map(painted).collect()
 }

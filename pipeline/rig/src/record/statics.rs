@@ -27,36 +27,36 @@ impl Statics {
     ///
     /// # Errors
     /// When an equilibrium is not found or the checkpoint cannot be written.
-    pub(super) fn of(setup: &Setup, recording: &InProgress) -> Result<Self> {
-        recording.once(
+    pub(super) fn of_setup(setup: &Setup, recording: &InProgress) -> Result<Self> {
+        recording.make_once(
             STATICS,
-            &|| Self::read(&checkpoint::load_bytes(&recording.folder, STATICS)?, setup),
-            &|| Self::solve(setup),
-            &|statics| checkpoint::save_bytes(&recording.folder, STATICS, &statics.bytes()),
+            &|| Self::from_bytes(&checkpoint::load_bytes(&recording.folder, STATICS)?, setup),
+            &|| Self::solve_statics(setup),
+            &|statics| checkpoint::save_bytes(&recording.folder, STATICS, &statics.as_bytes()),
         )
     }
 
-    fn solve(setup: &Setup) -> Result<Self> {
+    fn solve_statics(setup: &Setup) -> Result<Self> {
         let (progress, name, body) = (setup.request.progress, setup.name, &setup.body);
-        let pressures = setup.pressures();
-        let task = progress.begin(STATICS, name, 2 * (pressures.len() - 1));
-        let side = |side: Side| PressureSweep::solve(body, side, &pressures, &|| task.tick());
+        let pressures = setup.sweep_pressures();
+        let task = progress.begin_step(STATICS, name, 2 * (pressures.len() - 1));
+        let side = |side: Side| PressureSweep::solve_sweep(body, side, &pressures, &|| task.count_part());
         let (left, right) = rayon::join(|| side(Side::Left), || side(Side::Right));
-        task.done(&format!("{} equilibria of {} unknowns", 2 * (pressures.len() - 1), body.system.dofs()));
+        task.end_step(&format!("{} equilibria of {} unknowns", 2 * (pressures.len() - 1), body.system.dofs()));
         let sweeps = [left?, right?];
-        let task = progress.begin("reduce", name, snapshots::COUNT);
-        let reduced = FlappingModel::reduce(body, &setup.centre_line(), &sweeps, &|| task.tick())?;
+        let task = progress.begin_step("reduce", name, snapshots::COUNT);
+        let reduced = FlappingModel::reduce_body(body, &setup.centre_line(), &sweeps, &|| task.count_part())?;
         let points: usize = reduced.points.iter().map(Vec::len).sum();
-        task.done(&format!("{} coordinates, {points} points", reduced.modes.len()));
+        task.end_step(&format!("{} coordinates, {points} points", reduced.modes.len()));
         Ok(Self { sweeps, reduced })
     }
 
     /// As a file: arrays of doubles, which hold the numbers of the sampled points exactly as well.
-    fn bytes(&self) -> Vec<u8> {
+    fn as_bytes(&self) -> Vec<u8> {
         let Self { sweeps: [left, right], reduced } = self;
         let mut arrays: Vec<(String, Vec<f64>)> = vec![
-            (Side::Left.word().into(), left.shapes.concat()),
-            (Side::Right.word().into(), right.shapes.concat()),
+            (Side::Left.channel_name().into(), left.shapes.concat()),
+            (Side::Right.channel_name().into(), right.shapes.concat()),
             ("modes".into(), reduced.modes.concat()),
             ("size".into(), vec![reduced.size]),
         ];
@@ -74,19 +74,19 @@ impl Statics {
     }
 
     /// From a file; nothing when it is not one of this specimen.
-    fn read(bytes: &[u8], setup: &Setup) -> Option<Self> {
+    fn from_bytes(bytes: &[u8], setup: &Setup) -> Option<Self> {
         let file = SafeTensors::deserialize(bytes).ok()?;
         let array = |name: &str| -> Option<Vec<f64>> {
-            let (values, rest) = file.tensor(name).ok()?.data().as_chunks();
-            rest.is_empty().then(|| values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+            let (values, remainder) = file.tensor(name).ok()?.data().as_chunks();
+            remainder.is_empty().then(|| values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
         };
         let shapes = |name: &str| -> Option<Vec<Vec<f64>>> {
             let (values, length) = (array(name)?, 3 * setup.body.mesh.nodes.len());
             values.len().is_multiple_of(length).then(|| values.chunks(length).map(<[f64]>::to_vec).collect())
         };
-        let pressures = setup.pressures();
+        let pressures = setup.sweep_pressures();
         let sweep = |side: Side| {
-            let shapes = shapes(side.word())?;
+            let shapes = shapes(side.channel_name())?;
             (shapes.len() == pressures.len()).then(|| PressureSweep { pressures: pressures.clone(), shapes })
         };
         let sampled = |region: usize| -> Option<Vec<(u32, f64)>> {

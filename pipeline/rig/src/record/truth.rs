@@ -10,13 +10,13 @@ use crate::physics::{Body, Fluid, PressureSweep};
 use crate::side::Side;
 
 /// The ground truth of a recording whose trials have these.
-pub(super) fn of(setup: &Setup, bench: &Bench, (trial, force): (Vec<TrueTrial>, Vec<TrueForce>)) -> Truth {
+pub(super) fn recording_truth(setup: &Setup, bench: &Bench, (trial, force): (Vec<TrueTrial>, Vec<TrueForce>)) -> Truth {
     let Fluid { density, added, drag } = bench.fluid;
     let sides = Side::BOTH.iter().zip(bench.sweeps);
     Truth {
-        cell: Some(force_log::truth(bench.set, bench.seed)),
+        cell: Some(force_log::true_cell(bench.set, bench.seed)),
         fluid: Some(truth::Fluid { density, added, drag }),
-        inflation: sides.filter_map(|(side, sweep)| inflation(bench.body, *side, sweep)).collect(),
+        inflation: sides.filter_map(|(side, sweep)| true_inflation(bench.body, *side, sweep)).collect(),
         trial,
         force,
         ..of_specimen(setup, bench)
@@ -24,15 +24,15 @@ pub(super) fn of(setup: &Setup, bench: &Bench, (trial, force): (Vec<TrueTrial>, 
 }
 
 /// How the walls of the body move in a sweep; none where its mesh has no nodes at mid height.
-fn inflation(body: &Body, side: Side, sweep: &PressureSweep) -> Option<TrueInflation> {
+fn true_inflation(body: &Body, side: Side, sweep: &PressureSweep) -> Option<TrueInflation> {
     let (rest, section) = (&body.mesh.nodes, Section::of(&body.mesh)?);
-    let moved = |shape: &Vec<f64>| -> Vec<si::Point3> {
+    let displaced_nodes = |shape: &Vec<f64>| -> Vec<si::Point3> {
         rest.iter().zip(shape.as_chunks::<3>().0).map(|(x, u)| si::vec3::add(*x, *u)).collect()
     };
-    let nodes: Vec<Vec<si::Point3>> = sweep.shapes.iter().map(moved).collect();
+    let nodes: Vec<Vec<si::Point3>> = sweep.shapes.iter().map(displaced_nodes).collect();
     let walls: Vec<Walls> = nodes.iter().map(|nodes| section.walls(nodes, side == Side::Left)).collect();
     Some(TrueInflation {
-        channel: side.word().to_owned(),
+        channel: side.channel_name().to_owned(),
         pressure: sweep.pressures.clone(),
         rotation: nodes.iter().map(|nodes| end_rotation(rest, nodes)).collect(),
         bulge: walls.iter().map(|walls| walls.bulge_m).collect(),
@@ -56,7 +56,7 @@ fn of_specimen(setup: &Setup, bench: &Bench) -> Truth {
         casting: Some(truth::Casting {
             asymmetry: hidden.asymmetry,
             sheet_offset: hidden.sheet_offset,
-            unbonded: setup.unbonded(),
+            unbonded: setup.true_unbonded(),
             markers: hidden.marks.clone(),
         }),
         fluid: None,

@@ -24,26 +24,26 @@ const INSIDE: f64 = 14.0;
 pub(crate) struct BoardPose(pub Pose);
 
 /// The board of the settings.
-pub(crate) fn layout(plane: &settings::Plane) -> Board {
+pub(crate) fn board_layout(plane: &settings::Plane) -> Board {
     Board { columns: plane.columns, rows: plane.rows, square: plane.square }
 }
 
 /// The board flat on the plane, its corner (0, 0) at the settings' position, columns along x and rows along y.
-pub(crate) fn flat(plane: &settings::Plane) -> BoardPose {
+pub(crate) fn flat_pose(plane: &settings::Plane) -> BoardPose {
     let [x, y] = plane.corner;
     BoardPose(Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [x, y, plane.height] })
 }
 
 /// Draws the board.
-pub(crate) fn draw(canvas: &mut Canvas, camera: &Camera, board: &Board, pose: &BoardPose) {
-    if let Some(outline) = outline(camera, board, pose, paper(board)) {
-        canvas.fill(&outline, PAPER);
+pub(crate) fn draw_board(canvas: &mut Canvas, camera: &Camera, board: &Board, pose: &BoardPose) {
+    if let Some(outline) = rectangle_outline(camera, board, pose, paper_corners(board)) {
+        canvas.fill_polygon(&outline, PAPER);
     }
     for row in 0..board.rows {
         for column in (0..board.columns).filter(|column| board.is_black(*column, row)) {
             let (left, top) = (column as f64 - 1.0, row as f64 - 1.0);
-            if let Some(outline) = outline(camera, board, pose, [left, top, left + 1.0, top + 1.0]) {
-                canvas.fill(&outline, INK);
+            if let Some(outline) = rectangle_outline(camera, board, pose, [left, top, left + 1.0, top + 1.0]) {
+                canvas.fill_polygon(&outline, INK);
             }
         }
     }
@@ -58,7 +58,7 @@ pub(crate) fn calibration_poses(
 ) -> Vec<BoardPose> {
     let mut poses = Vec::with_capacity(count);
     while poses.len() < count {
-        let pose = tilted(camera, board, poses.len(), random);
+        let pose = tilted_pose(camera, board, poses.len(), random);
         if is_inside(camera, board, &pose) {
             poses.push(pose);
         }
@@ -67,7 +67,7 @@ pub(crate) fn calibration_poses(
 }
 
 /// A pose between two others: translation and rotation vector are interpolated linearly.
-pub(crate) fn between(from: &BoardPose, to: &BoardPose, fraction: f64) -> BoardPose {
+pub(crate) fn pose_between(from: &BoardPose, to: &BoardPose, fraction: f64) -> BoardPose {
     let mix = |a: Point3, b: Point3| vec3::add(vec3::scale(a, 1.0 - fraction), vec3::scale(b, fraction));
     BoardPose(Pose::from_vector(
         mix(from.0.rotation_vector(), to.0.rotation_vector()),
@@ -76,40 +76,42 @@ pub(crate) fn between(from: &BoardPose, to: &BoardPose, fraction: f64) -> BoardP
 }
 
 /// Pose `index`: its centre cycles through nine fields of the picture; its tilt is random.
-fn tilted(camera: &Camera, board: &Board, index: usize, random: &mut RandomStream) -> BoardPose {
+fn tilted_pose(camera: &Camera, board: &Board, index: usize, random: &mut RandomStream) -> BoardPose {
     let field = [index % 3, (index / 3) % 3].map(|k| (k as f64 - 1.0) * 0.6 + random.uniform([-0.2, 0.2]));
     let depth = random.uniform([0.17, 0.26]);
     let [u, v] = [field[0] * 0.32 * camera.width as f64, field[1] * 0.32 * camera.height as f64];
     let middle = camera.pose.to_world([u / camera.lens.fx * depth, v / camera.lens.fy * depth, depth]);
     let (lean, way, spin) = (random.uniform([15.0, 38.0]), random.uniform([0.0, 360.0]), random.uniform([-20.0, 20.0]));
-    let turn = leaning(lean.to_radians(), way.to_radians(), spin.to_radians());
+    let turn = leaning_pose(lean.to_radians(), way.to_radians(), spin.to_radians());
     let (columns, rows) = (board.columns as f64 - 2.0, board.rows as f64 - 2.0);
     let half = [0.5 * columns * board.square, 0.5 * rows * board.square, 0.0];
     BoardPose(Pose { translation: vec3::sub(middle, turn.apply(half)), ..turn })
 }
 
 /// A rotation by `spin` in its own plane, then by `lean` about the in-plane direction `way`.
-fn leaning(lean: Radian, way: Radian, spin: Radian) -> Pose {
-    let about = Pose::from_vector([lean * way.cos(), lean * way.sin(), 0.0], [0.0; 3]);
-    let flat = Pose::from_vector([0.0, 0.0, spin], [0.0; 3]);
-    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| about.apply(flat.apply(axis)));
+fn leaning_pose(lean: Radian, way: Radian, spin: Radian) -> Pose {
+    let lean_rotation = Pose::from_vector([lean * way.cos(), lean * way.sin(), 0.0], [0.0; 3]);
+    let spin_rotation = Pose::from_vector([0.0, 0.0, spin], [0.0; 3]);
+    let columns =
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| lean_rotation.apply(spin_rotation.apply(axis)));
     Pose { rotation: [0, 1, 2].map(|i| columns.map(|column| column[i])), translation: [0.0; 3] }
 }
 
 fn is_inside(camera: &Camera, board: &Board, pose: &BoardPose) -> bool {
-    let corners = ring(paper(board)).map(|[x, y]| pose.0.apply([x * board.square, y * board.square, 0.0]));
+    let corners =
+        rectangle_points(paper_corners(board)).map(|[x, y]| pose.0.apply([x * board.square, y * board.square, 0.0]));
     let (right, bottom) = (camera.width as f64 - INSIDE, camera.height as f64 - INSIDE);
     let inside = |[u, v]: [f64; 2]| (INSIDE..right).contains(&u) && (INSIDE..bottom).contains(&v);
     corners.into_iter().all(|corner| camera.pixel(corner).is_some_and(inside))
 }
 
 /// The paper's corners in squares: left, top, right, bottom.
-fn paper(board: &Board) -> [f64; 4] {
+fn paper_corners(board: &Board) -> [f64; 4] {
     [-1.0 - MARGIN, -1.0 - MARGIN, board.columns as f64 - 1.0 + MARGIN, board.rows as f64 - 1.0 + MARGIN]
 }
 
 /// Points around a rectangle of the board, in squares.
-fn ring([left, top, right, bottom]: [f64; 4]) -> [[f64; 2]; 4 * BENDS] {
+fn rectangle_points([left, top, right, bottom]: [f64; 4]) -> [[f64; 2]; 4 * BENDS] {
     let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
     std::array::from_fn(|i| {
         let (from, to) = (corners[i / BENDS], corners[(i / BENDS + 1) % 4]);
@@ -119,7 +121,7 @@ fn ring([left, top, right, bottom]: [f64; 4]) -> [[f64; 2]; 4 * BENDS] {
 }
 
 /// The outline of a rectangle of the board (in squares), px; none if a corner has no pixel.
-fn outline(camera: &Camera, board: &Board, pose: &BoardPose, rectangle: [f64; 4]) -> Option<Vec<Point2>> {
-    let corners = ring(rectangle).map(|[x, y]| pose.0.apply([x * board.square, y * board.square, 0.0]));
+fn rectangle_outline(camera: &Camera, board: &Board, pose: &BoardPose, rectangle: [f64; 4]) -> Option<Vec<Point2>> {
+    let corners = rectangle_points(rectangle).map(|[x, y]| pose.0.apply([x * board.square, y * board.square, 0.0]));
     camera.outline(&corners)
 }

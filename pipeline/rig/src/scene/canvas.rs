@@ -26,39 +26,40 @@ impl Canvas {
     }
 
     /// Blends pixel (`x`, `y`), which may lie outside, with `level` by the weight `coverage` (0 to 1).
-    pub(crate) fn blend(&mut self, x: i64, y: i64, level: f32, coverage: f32) {
+    pub(crate) fn blend_pixel(&mut self, x: i64, y: i64, level: f32, coverage: f32) {
         if x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height {
-            let here = &mut self.levels[y as usize * self.width + x as usize];
-            *here += coverage * (level - *here);
+            let pixel = &mut self.levels[y as usize * self.width + x as usize];
+            *pixel += coverage * (level - *pixel);
         }
     }
 
     /// Fills a polygon (px), which may extend beyond the picture, with `level`, weighted by each pixel's coverage.
-    pub fn fill(&mut self, polygon: &[Point2], level: f32) {
-        self.cover(polygon, |canvas, x, y, coverage| canvas.blend(x, y, level, coverage));
+    pub fn fill_polygon(&mut self, polygon: &[Point2], level: f32) {
+        self.cover_pixels(polygon, |canvas, x, y, coverage| canvas.blend_pixel(x, y, level, coverage));
     }
 
     /// Fills a line of `width` px between two points.
-    pub fn stroke(&mut self, from: Point2, to: Point2, width: f64, level: f32) {
-        let along = [to[0] - from[0], to[1] - from[1]];
-        let half = 0.5 * width / along[0].hypot(along[1]).max(1e-9);
-        let side = [-along[1] * half, along[0] * half];
+    pub fn draw_stroke(&mut self, from: Point2, to: Point2, width: f64, level: f32) {
+        let direction = [to[0] - from[0], to[1] - from[1]];
+        let half = 0.5 * width / direction[0].hypot(direction[1]).max(1e-9);
+        let side = [-direction[1] * half, direction[0] * half];
         let corner = |p: Point2, s: f64| [p[0] + s * side[0], p[1] + s * side[1]];
-        self.fill(&[corner(from, 1.0), corner(to, 1.0), corner(to, -1.0), corner(from, -1.0)], level);
+        self.fill_polygon(&[corner(from, 1.0), corner(to, 1.0), corner(to, -1.0), corner(from, -1.0)], level);
     }
 
     /// Calls `touch` with every pixel that the polygon covers and the coverage.
-    fn cover(&mut self, polygon: &[Point2], mut touch: impl FnMut(&mut Self, i64, i64, f32)) {
-        let Some((low, high)) = bounds(polygon) else { return };
+    fn cover_pixels(&mut self, polygon: &[Point2], mut touch: impl FnMut(&mut Self, i64, i64, f32)) {
+        let Some((low, high)) = bounding_box(polygon) else { return };
         if high[0] < -0.5 || high[1] < -0.5 || low[0] > self.width as f64 || low[1] > self.height as f64 {
             return;
         }
         let corner = [low[0].floor() as i64 - 1, low[1].floor() as i64 - 1];
         let size = [0, 1].map(|k| (high[k].ceil() as i64 - corner[k] + 2) as usize);
         let mut raster = Rasterizer::new(size[0], size[1]);
-        let place = |p: Point2| point((p[0] + 0.5 - corner[0] as f64) as f32, (p[1] + 0.5 - corner[1] as f64) as f32);
+        let raster_point =
+            |p: Point2| point((p[0] + 0.5 - corner[0] as f64) as f32, (p[1] + 0.5 - corner[1] as f64) as f32);
         for (i, from) in polygon.iter().enumerate() {
-            raster.draw_line(place(*from), place(polygon[(i + 1) % polygon.len()]));
+            raster.draw_line(raster_point(*from), raster_point(polygon[(i + 1) % polygon.len()]));
         }
         raster.for_each_pixel_2d(|x, y, coverage| {
             if coverage > 0.0 {
@@ -69,7 +70,7 @@ impl Canvas {
 }
 
 /// Bounding box of a polygon; none if it has no area or extends beyond [`REACH`].
-fn bounds(polygon: &[Point2]) -> Option<(Point2, Point2)> {
+fn bounding_box(polygon: &[Point2]) -> Option<(Point2, Point2)> {
     let fold = |k: usize, start: f64, pick: fn(f64, f64) -> f64| polygon.iter().map(|p| p[k]).fold(start, pick);
     let low = [fold(0, f64::INFINITY, f64::min), fold(1, f64::INFINITY, f64::min)];
     let high = [fold(0, f64::NEG_INFINITY, f64::max), fold(1, f64::NEG_INFINITY, f64::max)];
@@ -78,7 +79,7 @@ fn bounds(polygon: &[Point2]) -> Option<(Point2, Point2)> {
 }
 
 /// Centroid of a polygon's area, px.
-pub(crate) fn centroid(polygon: &[Point2]) -> Point2 {
+pub(crate) fn area_centroid(polygon: &[Point2]) -> Point2 {
     let (mut area, mut sum) = (0.0, [0.0; 2]);
     let first = polygon[0];
     for (i, p) in polygon.iter().enumerate() {
@@ -104,20 +105,20 @@ mod tests {
     fn the_centroid_of_a_drawn_disc_is_its_centre_to_a_hundredth_of_a_pixel() {
         for at in [[30.0, 20.0], [30.37, 20.81], [29.5, 21.25]] {
             let mut canvas = Canvas::filled(64, 48, 0.0);
-            canvas.fill(&disc(at, 6.0), 1.0);
+            canvas.fill_polygon(&disc(at, 6.0), 1.0);
             let mass: f32 = canvas.levels.iter().sum();
             let moment =
                 |f: fn(usize) -> usize| canvas.levels.iter().enumerate().map(|(i, l)| f(i) as f32 * l).sum::<f32>();
             let (u, v) = (moment(|i| i % 64) / mass, moment(|i| i / 64) / mass);
             assert!((f64::from(u) - at[0]).hypot(f64::from(v) - at[1]) < 0.01, "{at:?}: {u} {v}");
-            assert!((centroid(&disc(at, 6.0))[0] - at[0]).abs() < 1e-12);
+            assert!((area_centroid(&disc(at, 6.0))[0] - at[0]).abs() < 1e-12);
         }
     }
 
     #[test]
     fn a_polygon_that_extends_beyond_the_picture_is_clipped() {
         let mut canvas = Canvas::filled(10, 10, 0.0);
-        canvas.fill(&[[-50.0, 4.5], [50.0, 4.5], [50.0, 50.0], [-50.0, 50.0]], 8.0);
+        canvas.fill_polygon(&[[-50.0, 4.5], [50.0, 4.5], [50.0, 50.0], [-50.0, 50.0]], 8.0);
         assert_eq!((canvas.levels[44], canvas.levels[55]), (0.0, 8.0));
     }
 }

@@ -23,7 +23,7 @@ pub(crate) struct Glint {
 }
 
 /// The reflections of one recording.
-pub(crate) fn drawn(set: &settings::Water, width: usize, height: usize, random: &mut RandomStream) -> Vec<Glint> {
+pub(crate) fn draw_glints(set: &settings::Water, width: usize, height: usize, random: &mut RandomStream) -> Vec<Glint> {
     let glint = |_| {
         let middle = [random.uniform([0.1, 0.9]) * width as f64, random.uniform([0.1, 0.9]) * height as f64];
         Glint { middle, size: random.uniform(set.glint_size), bright: random.uniform(set.glint) }
@@ -33,11 +33,11 @@ pub(crate) fn drawn(set: &settings::Water, width: usize, height: usize, random: 
 
 impl Glint {
     /// Adds the reflection to a canvas at time `t` (s); none without water.
-    pub(crate) fn draw(&self, canvas: &mut Canvas, view: &View, t: Second) {
+    pub(crate) fn add_to_canvas(&self, canvas: &mut Canvas, view: &View, t: Second) {
         let Some(water) = &view.water else { return };
         let focal = view.camera.lens.fx;
-        let eye = view.camera.eye();
-        let tilt = water.slope([eye[0], eye[1]], t);
+        let eye = view.camera.centre_of_projection();
+        let tilt = water.surface_slope([eye[0], eye[1]], t);
         let scale = 2.0 * PATH * focal;
         let middle = [self.middle[0] + scale * tilt[0], self.middle[1] - scale * tilt[1]];
         let span = |k: usize, size: usize| {
@@ -46,11 +46,11 @@ impl Glint {
         };
         let fall = |x: usize, k: usize| (-0.5 * ((x as f64 - middle[k]) / self.size).powi(2)).exp();
         let columns = span(0, canvas.width);
-        let across: Vec<f32> = columns.clone().map(|u| (self.bright * fall(u, 0)) as f32).collect();
+        let column_brightness: Vec<f32> = columns.clone().map(|u| (self.bright * fall(u, 0)) as f32).collect();
         for v in span(1, canvas.height) {
             let brightness = fall(v, 1) as f32;
             let row = &mut canvas.levels[v * canvas.width..][columns.clone()];
-            row.iter_mut().zip(&across).for_each(|(level, bright)| *level += brightness * bright);
+            row.iter_mut().zip(&column_brightness).for_each(|(level, bright)| *level += brightness * bright);
         }
     }
 }

@@ -5,7 +5,7 @@ use si::Point2;
 use super::Canvas;
 
 /// Strokes of a letter on a grid of 4 × 6, from the top left; each a line from (column, row) to (column, row).
-fn strokes(letter: char) -> &'static [[u8; 4]] {
+fn letter_strokes(letter: char) -> &'static [[u8; 4]] {
     match letter {
         'A' => &[[0, 6, 2, 0], [2, 0, 4, 6], [1, 4, 3, 4]],
         'B' => &[[0, 0, 0, 6], [0, 0, 3, 0], [3, 0, 3, 3], [0, 3, 4, 3], [4, 3, 4, 6], [0, 6, 4, 6]],
@@ -34,14 +34,14 @@ pub(crate) struct Style {
 }
 
 /// Writes `text` (capitals).
-pub(crate) fn write(canvas: &mut Canvas, text: &str, style: &Style) {
+pub(crate) fn write_text(canvas: &mut Canvas, text: &str, style: &Style) {
     let Style { at, size, level } = *style;
     let unit = size / 6.0;
     for (i, letter) in text.chars().enumerate() {
-        let left = at[0] + 6.0 * unit * i as f64;
-        let place = |column: u8, row: u8| [left + unit * f64::from(column), at[1] + unit * f64::from(row)];
-        for [a, b, c, d] in strokes(letter) {
-            canvas.stroke(place(*a, *b), place(*c, *d), 0.9 * unit, level);
+        let left_edge = at[0] + 6.0 * unit * i as f64;
+        let grid_point = |column: u8, row: u8| [left_edge + unit * f64::from(column), at[1] + unit * f64::from(row)];
+        for [a, b, c, d] in letter_strokes(letter) {
+            canvas.draw_stroke(grid_point(*a, *b), grid_point(*c, *d), 0.9 * unit, level);
         }
     }
 }
@@ -54,7 +54,7 @@ mod tests {
     fn every_letter_of_the_label_is_drawn() {
         for letter in lab::VIRTUAL_BENCH.to_uppercase().chars().filter(|c| *c != ' ') {
             let mut canvas = Canvas::filled(40, 40, 0.0);
-            write(&mut canvas, &letter.to_string(), &Style { at: [10.0, 10.0], size: 18.0, level: 1.0 });
+            write_text(&mut canvas, &letter.to_string(), &Style { at: [10.0, 10.0], size: 18.0, level: 1.0 });
             assert!(canvas.levels.iter().sum::<f32>() > 30.0, "{letter}");
         }
     }

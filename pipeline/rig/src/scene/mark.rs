@@ -7,7 +7,7 @@ use mesh::{QuadraticMesh, Spot};
 use si::{Metre, Point2, Point3};
 
 use super::Canvas;
-use super::canvas::centroid;
+use super::canvas::area_centroid;
 use crate::camera::{Camera, FrameMotion, View, flat_disc};
 
 /// Corners of a mark's rim.
@@ -25,15 +25,15 @@ pub struct Mark {
 
 impl Mark {
     /// A disc of `diameter` (m) around `at` (m), seen from above, on the skin of `mesh`, with the distance of `at` from the skin, m.
-    pub fn paint(mesh: &QuadraticMesh, at: Point3, diameter: Metre) -> (Self, Metre) {
-        let (centre, off) = mesh::embed(mesh, at);
+    pub fn paint_on_skin(mesh: &QuadraticMesh, centre_point: Point3, diameter: Metre) -> (Self, Metre) {
+        let (centre, distance) = mesh::embed(mesh, centre_point);
         let corners = flat_disc(centre.at(&mesh.nodes), 0.5 * diameter, RIM);
         let rim = corners.into_iter().map(|corner| above_skin(mesh, corner)).collect();
-        (Self { centre, rim }, off)
+        (Self { centre, rim }, distance)
     }
 
     /// Position of its centre, m.
-    pub fn at(&self, nodes: &[Point3]) -> Point3 {
+    pub fn centre_position(&self, nodes: &[Point3]) -> Point3 {
         self.centre.at(nodes)
     }
 
@@ -43,26 +43,26 @@ impl Mark {
     }
 
     /// The mark's outline in a frame, px, each corner at its own row's time; none outside the field of view.
-    fn outline(&self, view: &View, motion: &FrameMotion) -> Option<Vec<Point2>> {
+    fn outline_in_frame(&self, view: &View, motion: &FrameMotion) -> Option<Vec<Point2>> {
         let places = |spot: &Spot| [0, 1, 2].map(|k| spot.at(&motion.nodes[k]));
         self.rim.iter().map(|spot| view.project_moving(motion, places(spot))).collect()
     }
 
     /// The mark's pixel in a frame: the centroid of the drawn area.
-    pub fn pixel(&self, view: &View, motion: &FrameMotion) -> Option<Point2> {
-        self.outline(view, motion).map(|outline| centroid(&outline))
+    pub fn pixel_in_frame(&self, view: &View, motion: &FrameMotion) -> Option<Point2> {
+        self.outline_in_frame(view, motion).map(|outline| area_centroid(&outline))
     }
 
     /// The mark's pixel for a body at rest in air.
     pub fn pixel_at_rest(&self, camera: &Camera, nodes: &[Point3]) -> Option<Point2> {
         let outline: Option<Vec<_>> = self.rim.iter().map(|spot| camera.pixel(spot.at(nodes))).collect();
-        outline.map(|outline| centroid(&outline))
+        outline.map(|outline| area_centroid(&outline))
     }
 
     /// Draws the mark.
-    pub fn draw(&self, canvas: &mut Canvas, view: &View, motion: &FrameMotion) {
-        if let Some(outline) = self.outline(view, motion) {
-            canvas.fill(&outline, PAINT);
+    pub fn draw_in_frame(&self, canvas: &mut Canvas, view: &View, motion: &FrameMotion) {
+        if let Some(outline) = self.outline_in_frame(view, motion) {
+            canvas.fill_polygon(&outline, PAINT);
         }
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Empty samples over the box around `corners`.
-    pub(super) fn around<'a>(corners: impl Iterator<Item = &'a Corner> + Clone) -> Option<Self> {
+    pub(super) fn around_corners<'a>(corners: impl Iterator<Item = &'a Corner> + Clone) -> Option<Self> {
         let end = |k: usize, start: f64, pick: fn(f64, f64) -> f64| corners.clone().map(|c| c.at[k]).fold(start, pick);
         let low = [0, 1].map(|k| end(k, f64::INFINITY, f64::min));
         let high = [0, 1].map(|k| end(k, f64::NEG_INFINITY, f64::max));
@@ -40,7 +40,7 @@ impl Samples {
     }
 
     /// Draws one triangle of either orientation with a depth test, row by row.
-    pub(super) fn draw(&mut self, [a, b, c]: [Corner; 3]) {
+    pub(super) fn draw_triangle(&mut self, [a, b, c]: [Corner; 3]) {
         let [p, q] = [b, c].map(|v| [v.at[0] - a.at[0], v.at[1] - a.at[1]]);
         let area = p[0] * q[1] - p[1] * q[0];
         if area.abs() < 1e-12 {
@@ -50,19 +50,21 @@ impl Samples {
         let gradient = |u: f64, v: f64| [(u * q[1] - v * p[1]) / area, (v * p[0] - u * q[0]) / area];
         let depth = gradient(b.depth - a.depth, c.depth - a.depth);
         let grey = gradient(f64::from(b.grey - a.grey), f64::from(c.grey - a.grey));
-        let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| Edge::between(from.at, to.at));
+        let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| Edge::between_ends(from.at, to.at));
         let (low, high) = (a.at[1].min(b.at[1]).min(c.at[1]), a.at[1].max(b.at[1]).max(c.at[1]));
-        for row in up(low)..=down(high) {
-            let (first, last) = crossed(&edges, row as f64);
+        for row in ceil_to_integer(low)..=floor_to_integer(high) {
+            let (first, last) = crossed_columns(&edges, row as f64);
             if last < first {
                 continue;
             }
-            let off = [first as f64 - a.at[0], row as f64 - a.at[1]];
-            let here = (row - self.corner[1]) as usize * self.size[0] + (first - self.corner[0]) as usize;
-            let start = (a.depth + depth[0] * off[0] + depth[1] * off[1]) as f32;
-            let level = a.grey + (grey[0] * off[0] + grey[1] * off[1]) as f32;
+            let offset = [first as f64 - a.at[0], row as f64 - a.at[1]];
+            let first_sample = (row - self.corner[1]) as usize * self.size[0] + (first - self.corner[0]) as usize;
+            let start = (a.depth + depth[0] * offset[0] + depth[1] * offset[1]) as f32;
+            let level = a.grey + (grey[0] * offset[0] + grey[1] * offset[1]) as f32;
             let count = (last - first + 1) as usize;
-            let nearest = self.depth[here..here + count].iter_mut().zip(&mut self.grey[here..here + count]);
+            let nearest = self.depth[first_sample..first_sample + count]
+                .iter_mut()
+                .zip(&mut self.grey[first_sample..first_sample + count]);
             for (k, (nearest, shade)) in nearest.enumerate() {
                 let depth = start + depth[0] as f32 * k as f32;
                 if depth < *nearest {
@@ -74,7 +76,7 @@ impl Samples {
     }
 
     /// Blends the samples into the canvas, each pixel weighted by the fraction of its samples that are covered.
-    pub(super) fn resolve(&self, canvas: &mut Canvas) {
+    pub(super) fn blend_into(&self, canvas: &mut Canvas) {
         let each = (SAMPLES * SAMPLES) as f32;
         for row in (0..self.size[1]).step_by(SAMPLES) {
             for column in (0..self.size[0]).step_by(SAMPLES) {
@@ -83,8 +85,8 @@ impl Samples {
                     .filter(|i| self.depth[*i].is_finite());
                 let (sum, covered) = places.fold((0.0, 0.0), |(sum, covered), i| (sum + self.grey[i], covered + 1.0));
                 if covered > 0.0 {
-                    let at = [0, 1].map(|k| (self.corner[k] + [column, row][k] as i64).div_euclid(SAMPLES as i64));
-                    canvas.blend(at[0], at[1], sum / covered, covered / each);
+                    let pixel = [0, 1].map(|k| (self.corner[k] + [column, row][k] as i64).div_euclid(SAMPLES as i64));
+                    canvas.blend_pixel(pixel[0], pixel[1], sum / covered, covered / each);
                 }
             }
         }
@@ -101,31 +103,31 @@ struct Edge {
 
 impl Edge {
     /// None along a row: its ends are those of the other two.
-    fn between([x, y]: Point2, [u, v]: Point2) -> Option<Self> {
+    fn between_ends([x, y]: Point2, [u, v]: Point2) -> Option<Self> {
         let slope = (u - x) / (v - y);
         slope.is_finite().then(|| Self { rows: [y.min(v), y.max(v)], line: [x - slope * y, slope] })
     }
 }
 
 /// First and last whole column inside a triangle on a row; the last is before the first where there is none.
-fn crossed(edges: &[Option<Edge>; 3], row: f64) -> (i64, i64) {
+fn crossed_columns(edges: &[Option<Edge>; 3], row: f64) -> (i64, i64) {
     let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
     for edge in edges.iter().flatten().filter(|e| e.rows[0] <= row && row <= e.rows[1]) {
-        let at = edge.line[0] + edge.line[1] * row;
-        (left, right) = (left.min(at), right.max(at));
+        let crossing = edge.line[0] + edge.line[1] * row;
+        (left, right) = (left.min(crossing), right.max(crossing));
     }
-    if left <= right { (up(left), down(right)) } else { (0, -1) }
+    if left <= right { (ceil_to_integer(left), floor_to_integer(right)) } else { (0, -1) }
 }
 
 /// ⌈x⌉ and ⌊x⌋ by conversion: `f64::ceil` and `floor` are calls, and each frame needs millions.
-fn up(x: f64) -> i64 {
-    let whole = x as i64;
-    whole + i64::from(x > whole as f64)
+fn ceil_to_integer(x: f64) -> i64 {
+    let truncated = x as i64;
+    truncated + i64::from(x > truncated as f64)
 }
 
-fn down(x: f64) -> i64 {
-    let whole = x as i64;
-    whole - i64::from(x < whole as f64)
+fn floor_to_integer(x: f64) -> i64 {
+    let truncated = x as i64;
+    truncated - i64::from(x < truncated as f64)
 }
 
 #[cfg(test)]
@@ -136,8 +138,8 @@ mod tests {
     fn a_triangle_is_filled_with_its_area_and_its_gradient_of_grey() {
         let corner = |x: f64, y: f64| Corner { at: [x, y], depth: 0.1, grey: (2.0 * x + 3.0 * y) as f32 };
         let face = [corner(3.2, 4.1), corner(81.7, 20.4), corner(30.5, 66.9)];
-        let mut samples = Samples::around(face.iter()).unwrap();
-        samples.draw(face);
+        let mut samples = Samples::around_corners(face.iter()).unwrap();
+        samples.draw_triangle(face);
         let [a, b, c] = face.map(|corner| corner.at);
         let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
         let met: Vec<usize> = (0..samples.depth.len()).filter(|i| samples.depth[*i].is_finite()).collect();
@@ -155,8 +157,8 @@ mod tests {
         let face = |depth: f64, grey: f32| [[2.0, 2.0], [40.0, 3.0], [20.0, 30.0]].map(|at| Corner { at, depth, grey });
         for order in [[(0.2, 50.0), (0.1, 90.0)], [(0.1, 90.0), (0.2, 50.0)]] {
             let faces = order.map(|(depth, grey)| face(depth, grey));
-            let mut samples = Samples::around(faces.iter().flatten()).unwrap();
-            faces.into_iter().for_each(|face| samples.draw(face));
+            let mut samples = Samples::around_corners(faces.iter().flatten()).unwrap();
+            faces.into_iter().for_each(|face| samples.draw_triangle(face));
             assert!(samples.grey.iter().all(|grey| *grey == 0.0 || *grey == 90.0));
         }
     }

@@ -27,13 +27,13 @@ impl Sensor {
         });
         let mut table = [0.0; 256];
         for (i, level) in table.iter_mut().enumerate() {
-            *level = (noise * quantile((i as f64 + 0.5) / 256.0)) as f32;
+            *level = (noise * normal_quantile((i as f64 + 0.5) / 256.0)) as f32;
         }
         Self { light: light.collect(), noise: table, seed }
     }
 
     /// The picture of `canvas`; `label` and `frame` select its noise.
-    pub(crate) fn expose(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
+    pub(crate) fn expose_canvas(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
         let mut bytes = vec![0; canvas.levels.len()];
         RandomStream::new(self.seed, &format!("sensor {label} {frame}")).bytes(&mut bytes);
         let lit = canvas.levels.iter().zip(&self.light).zip(&bytes);
@@ -44,7 +44,7 @@ impl Sensor {
 }
 
 /// The quantile of the standard normal distribution at `p`, from its cumulative sum.
-fn quantile(p: f64) -> f64 {
+fn normal_quantile(p: f64) -> f64 {
     let steps = 12_000;
     let width = 12.0 / f64::from(steps);
     let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
@@ -68,12 +68,12 @@ mod tests {
         let (width, height) = (200, 150);
         let sensor = Sensor { light: vec![1.0; width * height], ..Sensor::new(width, height, 2.0, 9) };
         let canvas = Canvas::filled(width, height, 100.0);
-        let (first, again) = (sensor.expose(&canvas, "a", 4), sensor.expose(&canvas, "a", 4));
+        let (first, again) = (sensor.expose_canvas(&canvas, "a", 4), sensor.expose_canvas(&canvas, "a", 4));
         let n = first.pixels.len() as f64;
         let mean = first.pixels.iter().map(|p| f64::from(*p)).sum::<f64>() / n;
         let variance = first.pixels.iter().map(|p| (f64::from(*p) - mean).powi(2)).sum::<f64>() / n;
         assert!((mean - 100.0).abs() < 0.05 && (variance.sqrt() - 2.0).abs() < 0.1, "{mean} {variance}");
         assert_eq!(first, again);
-        assert_ne!(first, sensor.expose(&canvas, "a", 5));
+        assert_ne!(first, sensor.expose_canvas(&canvas, "a", 5));
     }
 }

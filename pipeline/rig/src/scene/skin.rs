@@ -48,36 +48,42 @@ impl Skin {
         let mut used: Vec<u32> = outer.iter().flat_map(|f| f.nodes()).copied().collect();
         used.sort_unstable();
         used.dedup();
-        let place = |node: u32| used.partition_point(|u| *u < node) as u32;
-        let triangles = outer.iter().flat_map(|f| f.triangles()).map(|corners| corners.map(place)).collect();
-        let grey = greys(mesh, &used);
+        let index_of_node = |node: u32| used.partition_point(|u| *u < node) as u32;
+        let triangles = outer.iter().flat_map(|f| f.triangles()).map(|corners| corners.map(index_of_node)).collect();
+        let grey = node_greys(mesh, &used);
         Self { triangles, used, grey, mirrored: mesh.half }
     }
 
     /// Nodes of the mesh that lie on the skin, ascending.
-    pub fn nodes(&self) -> &[u32] {
+    pub fn skin_nodes(&self) -> &[u32] {
         &self.used
     }
 
     /// Draws the skin in a frame.
-    pub fn draw(&self, canvas: &mut Canvas, view: &View, motion: &FrameMotion) {
+    pub fn draw_in_frame(&self, canvas: &mut Canvas, view: &View, motion: &FrameMotion) {
         let places = |node: &u32| [0, 1, 2].map(|k| motion.nodes[k][*node as usize]);
         let upper: Vec<[Point3; 3]> = self.used.iter().map(places).collect();
         let mut halves = vec![(upper, 1.0)];
         if self.mirrored {
             halves.push((halves[0].0.iter().map(|three| three.map(|[x, y, z]| [x, y, -z])).collect(), -1.0));
         }
-        let visible = halves.iter().filter_map(|(half, turn)| self.facing(view, motion, half, *turn));
+        let visible = halves.iter().filter_map(|(half, turn)| self.facing_triangles(view, motion, half, *turn));
         let faces: Vec<[Corner; 3]> = visible.flatten().collect();
-        let Some(mut samples) = Samples::around(faces.iter().flatten()) else { return };
-        faces.into_iter().for_each(|face| samples.draw(face));
-        samples.resolve(canvas);
+        let Some(mut samples) = Samples::around_corners(faces.iter().flatten()) else { return };
+        faces.into_iter().for_each(|face| samples.draw_triangle(face));
+        samples.blend_into(canvas);
     }
 
     /// The projected triangles that face the camera, shaded by their normals; `turn` is −1 for the mirror image, whose orientation is
     /// reversed.
-    fn facing(&self, view: &View, motion: &FrameMotion, points: &[[Point3; 3]], turn: f64) -> Option<Vec<[Corner; 3]>> {
-        let (mut normals, eye) = (vec![[0.0; 3]; points.len()], view.camera.eye());
+    fn facing_triangles(
+        &self,
+        view: &View,
+        motion: &FrameMotion,
+        points: &[[Point3; 3]],
+        turn: f64,
+    ) -> Option<Vec<[Corner; 3]>> {
+        let (mut normals, eye) = (vec![[0.0; 3]; points.len()], view.camera.centre_of_projection());
         let mut front = Vec::with_capacity(self.triangles.len());
         for triangle in &self.triangles {
             let [a, b, c] = triangle.map(|k| points[k as usize][1]);
@@ -91,7 +97,7 @@ impl Skin {
         let mut corners: Vec<Option<Corner>> = vec![None; points.len()];
         for k in front.iter().flat_map(|t| t.iter()).map(|k| *k as usize) {
             if corners[k].is_none() {
-                corners[k] = Some(Self::corner(
+                corners[k] = Some(Self::projected_corner(
                     view,
                     motion,
                     &Vertex { places: points[k], normal: normals[k], grey: self.grey[k] },
@@ -105,19 +111,19 @@ impl Skin {
     }
 
     /// A projected and shaded vertex.
-    fn corner(view: &View, motion: &FrameMotion, vertex: &Vertex) -> Option<Corner> {
+    fn projected_corner(view: &View, motion: &FrameMotion, vertex: &Vertex) -> Option<Corner> {
         let Vertex { places, normal, grey } = *vertex;
         let (at, there) = view.project_skin(motion, places)?;
         let slant = vec3::dot(normal, SUN) / (vec3::norm(SUN) * vec3::norm(normal).max(1e-30));
         let lit = AMBIENT + (1.0 - AMBIENT) * slant.max(0.0);
         let scale = SAMPLES as f64;
         let at = [(at[0] + 0.5) * scale - 0.5, (at[1] + 0.5) * scale - 0.5];
-        Some(Corner { at, depth: view.camera.depth(there), grey: grey * lit as f32 })
+        Some(Corner { at, depth: view.camera.depth_of_point(there), grey: grey * lit as f32 })
     }
 }
 
 /// Grey of each used node: silicone's where silicone touches it, else the sheet's.
-fn greys(mesh: &QuadraticMesh, used: &[u32]) -> Vec<f32> {
+fn node_greys(mesh: &QuadraticMesh, used: &[u32]) -> Vec<f32> {
     let mut silicone = vec![false; mesh.nodes.len()];
     for (nodes, _) in mesh.elements.iter().zip(&mesh.regions).filter(|(_, region)| **region != SPINE) {
         nodes.iter().for_each(|node| silicone[*node as usize] = true);

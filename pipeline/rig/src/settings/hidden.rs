@@ -105,7 +105,7 @@ pub struct Mullins {
 
 impl Mullins {
     /// Modulus of a point that has been cycled up to the energy density `highest` (J/m³) over that of one that has rested, no unit.
-    pub fn softening(&self, highest: f64) -> f64 {
+    pub fn softened_share(&self, highest: f64) -> f64 {
         1.0 - libm::erf((1.0 - self.energy) * highest / (self.m + self.beta * highest)) / self.r
     }
 }
@@ -139,10 +139,10 @@ mod tests {
     #[test]
     fn a_point_softens_by_its_own_energy_and_never_beyond_the_limit() {
         let mullins = Mullins { r: 50.0, m: 200.0, beta: 0.1, energy: 0.5 };
-        assert_eq!(mullins.softening(0.0), 1.0);
+        assert_eq!(mullins.softened_share(0.0), 1.0);
         // by hand: erf(500 / 300) / 50 at 1000 J/m³
-        assert!((mullins.softening(1000.0) - (1.0 - libm::erf(500.0 / 300.0) / 50.0)).abs() < 1e-15);
-        let softer = [10.0, 100.0, 1000.0, 1e5].map(|energy| mullins.softening(energy));
+        assert!((mullins.softened_share(1000.0) - (1.0 - libm::erf(500.0 / 300.0) / 50.0)).abs() < 1e-15);
+        let softer = [10.0, 100.0, 1000.0, 1e5].map(|energy| mullins.softened_share(energy));
         assert!(softer.is_sorted_by(|a, b| a > b) && softer.iter().all(|s| *s > 1.0 - 1.0 / 50.0), "{softer:?}");
     }
 }

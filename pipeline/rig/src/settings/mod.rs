@@ -102,7 +102,7 @@ pub struct Specimen {
 
 impl Specimen {
     /// The highest commanded pressure, Pa.
-    pub fn highest(&self) -> Pascal {
+    pub fn highest_pressure(&self) -> Pascal {
         let levels = self.levels.iter().chain(&self.levels_in_water).copied();
         levels.chain(self.flaps.iter().map(|flap| flap.pressure)).fold(0.0, f64::max)
     }
