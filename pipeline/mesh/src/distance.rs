@@ -60,7 +60,7 @@ impl Nearest {
         (cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]
     }
 
-    /// The nearest point to `at`; of equally near faces the one with the lowest number.
+    /// The nearest point to `point`; of equally near faces the one with the lowest number.
     pub fn find(&self, point: Point3) -> Option<Hit> {
         let (centre, mut best) = (self.cell_of(point), None::<Hit>);
         for ring in 0..self.counts.iter().copied().max().unwrap_or(0) {

@@ -20,7 +20,7 @@ impl Spot {
     }
 }
 
-/// The point of the outer skin nearest to `at` (m), and how far away it is (m).
+/// The point of the outer skin nearest to `point` (m), and how far away it is (m).
 ///
 /// The nearest point is searched on the plane triangles of the corners, or between all nodes of a quadrilateral; the weights are the shape
 /// functions of the face there, which follow it when it curves. Faces of cavities and of the plane of symmetry are not searched.

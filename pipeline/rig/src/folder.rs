@@ -9,7 +9,7 @@ pub(crate) fn partial_folder(into: &Path, name: &str) -> PathBuf {
     into.join(format!(".{name}.partial"))
 }
 
-/// Makes the partial folder of a recording that will lie `at` its place, with a stamp in its file: `(file, stamp)`. The remains of an
+/// Makes the partial folder of a recording that will be `folder`, with a stamp in its file: `(file, stamp)`. The remains of an
 /// interrupted recording with the same stamp are kept; anything else is removed.
 ///
 /// # Errors
@@ -24,7 +24,7 @@ pub(crate) fn begin_recording(folder: &Path, partial: &Path, (file, stamp): (&st
     write_file(partial, file, stamp.as_bytes())
 }
 
-/// Replaces the folder `at` by a finished one. The caller has checked that `at` was made by the bench.
+/// Replaces `folder` by a finished one. The caller has checked that `folder` was made by the bench.
 ///
 /// # Errors
 /// When the old folder cannot be removed or the new one not renamed.

@@ -20,7 +20,7 @@ pub(crate) fn is_symmetric(surface: &Surface, tolerance: Metre) -> bool {
 
 /// Segments of the half where coordinate `axis` is not negative, and before them the cut itself.
 ///
-/// Points nearer to the cut than `near` (m) are put onto it.
+/// Points nearer to the cut than `tolerance` (m) are put onto it.
 pub(crate) fn cut_segments(segments: &[[Point2; 2]], axis: usize, tolerance: Metre) -> Vec<[Point2; 2]> {
     let snapped = segments.iter().map(|s| {
         s.map(|mut p| {

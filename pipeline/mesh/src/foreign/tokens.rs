@@ -44,7 +44,7 @@ impl<'a> Tokens<'a> {
         self.clone().next()
     }
 
-    /// The next token; `what` is its name in errors.
+    /// The next token; `quantity` is its name in errors.
     pub fn next_word(&mut self, quantity: &str) -> Result<&'a str, MeshFileError> {
         let word = self.next().ok_or_else(|| self.cut_error(quantity))?;
         std::str::from_utf8(word).map_err(|_| {
@@ -52,7 +52,7 @@ impl<'a> Tokens<'a> {
         })
     }
 
-    /// The next token as a number; `what` is its name in errors.
+    /// The next token as a number; `quantity` is its name in errors.
     pub fn next_number<T: FromStr>(&mut self, quantity: &str) -> Result<T, MeshFileError> {
         let word = self.next_word(quantity)?;
         word.parse().map_err(|_| {
@@ -74,7 +74,7 @@ impl<'a> Tokens<'a> {
         &remaining[..length]
     }
 
-    /// The next `N` bytes; `what` is their name in errors.
+    /// The next `N` bytes; `quantity` is their name in errors.
     pub fn take_bytes<const N: usize>(&mut self, quantity: &str) -> Result<[u8; N], MeshFileError> {
         let chunk = self.bytes[self.at..].first_chunk::<N>().copied().ok_or_else(|| self.cut_error(quantity))?;
         self.at += N;

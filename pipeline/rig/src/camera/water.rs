@@ -73,10 +73,10 @@ impl Water {
         })
     }
 
-    /// The point in air (m) in whose direction a camera at `eye` (m) sees `at` (m) at time `t` (s).
+    /// The point in air (m) in whose direction a camera at `eye` (m) sees `point` (m) at time `t` (s).
     ///
-    /// It is the crossing of the ray with the surface at rest, or `at` itself above the surface. With ripples, the ray through that crossing
-    /// misses `at`; the crossing is corrected by the miss once. The remaining error is of second order in the slopes.
+    /// It is the crossing of the ray with the surface at rest, or `point` itself above the surface. With ripples, the ray through that crossing
+    /// misses `point`; the crossing is corrected by the miss once. The remaining error is of second order in the slopes.
     pub(crate) fn apparent_point(&self, eye: Point3, point: Point3, t: Second) -> Point3 {
         if point[2] >= self.surface {
             return point;

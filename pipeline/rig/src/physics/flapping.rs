@@ -312,7 +312,7 @@ pub(super) fn nodal_displacements(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f
     displacements
 }
 
-/// Displacements of the nodes `of`, m: the same sums as [`moved`] in the same order, so the same numbers.
+/// Displacements of the nodes `nodes`, m: the same sums as [`nodal_displacements`] in the same order, so the same numbers.
 pub(super) fn displacements_of(modes: &[Vec<f32>], q: &DVector<f64>, nodes: &[u32]) -> Vec<[f32; 3]> {
     let mut displacements = vec![[0.0; 3]; nodes.len()];
     for (mode, q) in modes.iter().zip(q.iter()) {

@@ -83,7 +83,7 @@ pub(crate) fn find_blob(picture: &Gray, near: Point2, radius: f64) -> Result<Blo
     find_distinct(picture, near, radius, f64::NEG_INFINITY)
 }
 
-/// The same, where the first look already shows a contrast of `least` (grey levels): a window on patterned ground is then not followed.
+/// The same, where the first look already shows a contrast of `min_contrast` (grey levels): a window on patterned ground is then not followed.
 ///
 /// # Errors
 /// [`Miss`] as [`find_blob`], and where the first look shows less.

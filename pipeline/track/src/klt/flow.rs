@@ -29,7 +29,7 @@ pub(super) struct Flow<'a> {
 }
 
 impl Flow<'_> {
-    /// Where the place `at` of the frame before lies in the frame after, near `guess` (all px). None when flow gives no answer.
+    /// Where the place `start` of the frame before lies in the frame after, near `guess` (all px). None when flow gives no answer.
     pub(super) fn follow_point(&self, start: Point2, guess: Point2) -> Option<Point2> {
         let block = reduction_factor(self.radius);
         let (from, onto) =

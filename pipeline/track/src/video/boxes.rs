@@ -24,7 +24,7 @@ impl Header {
     pub(super) const SHORT: u64 = 8;
     pub(super) const LONG: u64 = 16;
 
-    /// From the first bytes of a box with `left` bytes to the end of its parent; none when they end within the header.
+    /// From the first bytes of a box with `remaining` bytes to the end of its parent; none when they end within the header.
     pub(super) fn read_header(head: &[u8], remaining: u64) -> Option<Self> {
         let (size, rest) = head.split_first_chunk::<4>()?;
         let (name, rest) = rest.split_first_chunk::<4>()?;
@@ -86,7 +86,7 @@ impl<'a> Mp4Box<'a> {
         self.find_child(name)?.ok_or_else(missing)
     }
 
-    /// `N` bytes of the content from `at`.
+    /// `N` bytes of the content from `offset`.
     pub(super) fn bytes_at<const N: usize>(&self, offset: usize) -> Result<[u8; N], VideoError> {
         let chunk = self.content.get(offset..).and_then(|rest| rest.first_chunk());
         chunk.copied().ok_or_else(|| self.refuse(self.ends_early(offset.saturating_add(N))))
@@ -102,7 +102,7 @@ impl<'a> Mp4Box<'a> {
         self.bytes_at(0).map(|[version]| version)
     }
 
-    /// The rows of a table whose number of rows is at `at`, `row` bytes each.
+    /// The rows of a table whose number of rows is at `offset`, `row` bytes each.
     pub(super) fn table_rows(&self, offset: usize, row: usize) -> Result<std::slice::ChunksExact<'a, u8>, VideoError> {
         let count = u64::from(self.number_at(offset)?);
         let table = &self.content[offset + 4..];
