@@ -81,12 +81,12 @@ impl Inputs {
 
     /// Sums forces and weight.
     pub(crate) fn update_dead_forces(&mut self) {
-        let mut all = self.forces.clone();
+        let mut dead_forces = self.forces.clone();
         if self.gravity != [0.0; 3] {
-            all.resize(3 * self.mass.nodal.len(), 0.0);
-            add_gravity(&self.mass.nodal, self.gravity, &mut all);
+            dead_forces.resize(3 * self.mass.nodal.len(), 0.0);
+            add_gravity(&self.mass.nodal, self.gravity, &mut dead_forces);
         }
-        self.dead.forces = all;
+        self.dead.forces = dead_forces;
     }
 
     /// The domain of assembly with the laws, constants and factors of this solver.

@@ -39,18 +39,19 @@ impl Solver {
         self.factorise(at)?;
         let size = (2 * count).min(count + 8).min(dofs);
         let mut vectors: Vec<Vec<f64>> = (0..size).map(|seed| self.start_vector(seed)).collect();
-        let mut before = vec![f64::INFINITY; size];
+        let mut previous_values = vec![f64::INFINITY; size];
         for _ in 0..MAX_ITERATIONS {
             let (values, next) = self.subspace_step(&vectors)?;
             vectors = next;
-            let converged = values[..count].iter().zip(&before).all(|(now, then)| (now / then - 1.0).abs() < TOLERANCE);
-            before = values;
+            let converged =
+                values[..count].iter().zip(&previous_values).all(|(now, then)| (now / then - 1.0).abs() < TOLERANCE);
+            previous_values = values;
             if converged {
                 break;
             }
         }
         let frequency = |value: f64| value.max(0.0).sqrt() / std::f64::consts::TAU;
-        let modes = before.into_iter().zip(vectors).take(count);
+        let modes = previous_values.into_iter().zip(vectors).take(count);
         Ok(modes.map(|(value, shape)| Mode { frequency: frequency(value), shape }).collect())
     }
 

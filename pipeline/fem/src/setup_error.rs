@@ -12,7 +12,7 @@ pub(crate) const SMALLEST: Metre = 1e-4;
 pub(crate) const THINNEST: f64 = 1e-7;
 
 /// "3, 4 or 6".
-pub(crate) fn alternatives(counts: &[usize]) -> String {
+pub(crate) fn alternatives_text(counts: &[usize]) -> String {
     let texts: Vec<String> = counts.iter().map(usize::to_string).collect();
     match texts.split_last() {
         Some((last, before)) if !before.is_empty() => format!("{} or {last}", before.join(", ")),
@@ -63,7 +63,7 @@ pub enum SetupError {
     /// An edge or a face of another number of nodes.
     #[error(
         "the {part} of a load has {given} nodes\n  why: it must have {}\n  do:  give the nodes of a side of an element, corners first",
-        crate::setup_error::alternatives(.each)
+        crate::setup_error::alternatives_text(.each)
     )]
     Side {
         /// "edge" or "face".

@@ -10,7 +10,7 @@ use crate::newton::iteration::Interrupt;
 use crate::properties::RegionProperties;
 use crate::setup_error::SetupError;
 use crate::solve_error::SolveError;
-use crate::solver_state::{SolverState, check};
+use crate::solver_state::{SolverState, check_values};
 use crate::statics::equilibrium::{Equilibrium, StaticSettings};
 use crate::system_data::SystemData;
 use crate::validation;
@@ -60,7 +60,7 @@ impl Solver {
         poissons_ratio: f64,
     ) -> Result<(), SetupError> {
         self.check_region(region)?;
-        validation::elastic(region, youngs_modulus, poissons_ratio)?;
+        validation::check_elastic(region, youngs_modulus, poissons_ratio)?;
         let inputs = &mut self.state.inputs;
         inputs.properties[region].youngs_modulus = youngs_modulus;
         inputs.properties[region].poissons_ratio = poissons_ratio;
@@ -75,7 +75,7 @@ impl Solver {
     /// As [`Solver::set_elastic`].
     pub fn set_stiffening(&mut self, region: usize, ratios: [f64; 2]) -> Result<(), SetupError> {
         self.check_region(region)?;
-        validation::stiffening(region, ratios)?;
+        validation::check_stiffening(region, ratios)?;
         let inputs = &mut self.state.inputs;
         inputs.properties[region].stiffening = ratios;
         inputs.elastic[region].moduli = inputs.properties[region].moduli();
@@ -104,7 +104,7 @@ impl Solver {
     /// [`SetupError`] when there is no such region, or its law is not objective.
     pub fn set_relaxation(&mut self, region: usize, relaxation: Relaxation) -> Result<(), SetupError> {
         self.check_region(region)?;
-        validation::relaxation(region, self.properties()[region].material, &relaxation)?;
+        validation::check_relaxation(region, self.properties()[region].material, &relaxation)?;
         validation::element_factors_relax(&self.state.inputs.factors, &[&relaxation])?;
         self.state.inputs.properties[region].relaxation = relaxation;
         Ok(())
@@ -116,7 +116,7 @@ impl Solver {
     /// As [`Solver::set_elastic`].
     pub fn set_density(&mut self, region: usize, density: KilogramPerCubicMetre) -> Result<(), SetupError> {
         self.check_region(region)?;
-        validation::density(region, density)?;
+        validation::check_density(region, density)?;
         let SolverState { data, inputs, linearised, .. } = &mut self.state;
         inputs.properties[region].density = density;
         inputs.update_mass(data);
@@ -143,7 +143,7 @@ impl Solver {
     /// # Errors
     /// [`SolveError`] when a component is not finite.
     pub fn set_gravity(&mut self, gravity: [MetrePerSecondSquared; 3]) -> Result<(), SolveError> {
-        check("gravity", &gravity, 3)?;
+        check_values("gravity", &gravity, 3)?;
         self.state.inputs.gravity = gravity;
         self.state.inputs.update_dead_forces();
         self.state.linearised = None;
@@ -212,9 +212,9 @@ impl Solver {
         initial_guess: Option<&[f64]>,
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
-        let found = self.state.equilibrium(pressures, initial_guess, settings)?;
-        self.state.keep_constant_tangent(&found);
-        Ok(found)
+        let equilibrium = self.state.equilibrium(pressures, initial_guess, settings)?;
+        self.state.keep_constant_tangent(&equilibrium);
+        Ok(equilibrium)
     }
 
     /// The equilibrium near a shape `predicted` from several earlier ones, of which `nearby` is the nearest (3 entries per node, m), by

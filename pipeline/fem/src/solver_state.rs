@@ -42,7 +42,7 @@ impl SolverState {
     ///
     /// # Errors
     /// [`FactorError::Symbolic`]
-    pub(crate) fn couple(&mut self, u: &[f64]) -> Result<bool, FactorError> {
+    pub(crate) fn couple_contact(&mut self, u: &[f64]) -> Result<bool, FactorError> {
         let Some(contact) = &self.data.contact else { return Ok(false) };
         let coupled = |&(a, b): &(u32, u32)| self.data.pattern.block_position(a, b).is_some();
         if contact.couplings(u, 0.0).iter().all(coupled) {
@@ -60,7 +60,7 @@ impl SolverState {
     }
 
     /// `to`, or as much of the straight way from `from` to it as takes no wall through another.
-    pub(crate) fn admissible(&self, from: &[f64], to: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn admissible_shape(&self, from: &[f64], to: Vec<f64>) -> Vec<f64> {
         let Some(contact) = &self.data.contact else { return to };
         let step: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
         match contact.admissible_part(from, &step) {
@@ -72,13 +72,13 @@ impl SolverState {
     /// # Errors
     /// [`SolveError`] when `values` do not have 3 entries per node, or one is not finite.
     pub(crate) fn check_field(&self, what: &'static str, values: &[f64]) -> Result<(), SolveError> {
-        check(what, values, self.data.full_length())
+        check_values(what, values, self.data.full_length())
     }
 
     /// # Errors
     /// [`SolveError`] when there is not one finite pressure per chamber, or a sealed chamber has none left.
     pub(crate) fn check_pressures(&self, pressures: &[Pascal]) -> Result<(), SolveError> {
-        check("a list of pressures", pressures, self.data.chambers.len())?;
+        check_values("a list of pressures", pressures, self.data.chambers.len())?;
         for (&pressure, ambient) in pressures.iter().zip(&self.inputs.ambient) {
             if ambient.is_some_and(|ambient| pressure <= -ambient) {
                 let (what, range) = ("the pressure of a sealed chamber", "above a vacuum");
@@ -125,7 +125,7 @@ impl SolverState {
 
 /// # Errors
 /// [`SolveError`] when `values` do not have the length `required`, or one is not finite.
-pub(crate) fn check(what: &'static str, values: &[f64], required: usize) -> Result<(), SolveError> {
+pub(crate) fn check_values(what: &'static str, values: &[f64], required: usize) -> Result<(), SolveError> {
     if values.len() != required {
         return Err(SolveError::Length { what, given: values.len(), required });
     }

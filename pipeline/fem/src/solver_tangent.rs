@@ -88,7 +88,7 @@ impl Solver {
     ) -> Result<LowerTriangle<'_>, SolveError> {
         self.state.check_field("the displacement", &at.displacement)?;
         self.state.check_pressures(&at.pressures)?;
-        self.state.couple(&at.displacement)?;
+        self.state.couple_contact(&at.displacement)?;
         self.state.linearised = None;
         let SolverState { data, inputs, newton, .. } = &mut self.state;
         inputs.at_rest(data, &at.pressures).hessian(&at.displacement, from, kind, &mut newton.tangent);

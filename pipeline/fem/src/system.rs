@@ -55,18 +55,18 @@ impl System {
         options: Options,
     ) -> Result<Self, SetupError> {
         let clamps: Clamps = clamped.into();
-        validation::nodes(&mesh, &clamps)?;
-        validation::regions(&mesh, &regions)?;
-        validation::masses(&mesh, &options.masses)?;
-        options.contact.map_or(Ok(()), |contact| validation::contact(&mesh, contact))?;
+        validation::check_nodes(&mesh, &clamps)?;
+        validation::check_regions(&mesh, &regions)?;
+        validation::check_masses(&mesh, &options.masses)?;
+        options.contact.map_or(Ok(()), |contact| validation::check_contact(&mesh, contact))?;
         let clamps = clamps.with_symmetry(&mesh);
         let graph = mesh.graph();
         let shear_share = options.shear_share.unwrap_or(SHEAR_SHARE);
         validation::shear_share(shear_share)?;
         let reference = ReferenceElements::new(&mesh, shear_share);
-        validation::elements(&mesh, &reference, &graph)?;
-        validation::constraints(&mesh, &graph, &clamps)?;
-        let chambers = chambers(&mesh, &graph)?;
+        validation::check_elements(&mesh, &reference, &graph)?;
+        validation::check_constraints(&mesh, &graph, &clamps)?;
+        let chambers = chamber_pressures(&mesh, &graph)?;
         let constrained = clamps.by_node(mesh.nodes.len());
         let pattern = Pattern::new(&mesh.nodes, &graph, &constrained);
         let contact = options.contact.map(|contact| Arc::new(SelfContact::new(&mesh, contact)));
@@ -81,7 +81,7 @@ impl System {
         let mass = Arc::new(Mass::new(&assembly, &densities, &options.masses));
         let symbolic = Symbolic::new(&pattern).map_err(|cause| SetupError::TooLarge { dofs: pattern.dofs(), cause })?;
         let size = mesh.size();
-        let volumes = volumes(&mesh, &reference, regions.len());
+        let volumes = region_volumes(&mesh, &reference, regions.len());
         let data = SystemData {
             mesh,
             regions,
@@ -174,7 +174,7 @@ impl System {
 }
 
 /// By region, m³.
-fn volumes(mesh: &Mesh, reference: &ReferenceElements, regions: usize) -> Vec<f64> {
+fn region_volumes(mesh: &Mesh, reference: &ReferenceElements, regions: usize) -> Vec<f64> {
     let mut volumes = vec![0.0; regions];
     for (&region, volume) in mesh.regions.iter().zip(&reference.volumes) {
         volumes[region as usize] += volume;
@@ -182,17 +182,17 @@ fn volumes(mesh: &Mesh, reference: &ReferenceElements, regions: usize) -> Vec<f6
     volumes
 }
 
-fn chambers(mesh: &Mesh, graph: &NodeGraph) -> Result<Vec<ChamberPressure>, SetupError> {
-    let mut found = Vec::new();
+fn chamber_pressures(mesh: &Mesh, graph: &NodeGraph) -> Result<Vec<ChamberPressure>, SetupError> {
+    let mut pressures = Vec::new();
     for (index, chamber) in mesh.chambers.iter().enumerate() {
-        validation::closed(mesh, index, chamber)?;
+        validation::check_closed(mesh, index, chamber)?;
         validation::on_elements(graph, index, chamber)?;
         let pressure = ChamberPressure::new(mesh, chamber);
         let volume = pressure.at_rest;
         if volume.is_nan() || volume <= 0.0 {
             return Err(SetupError::InvertedChamber { chamber: index, volume });
         }
-        found.push(pressure);
+        pressures.push(pressure);
     }
-    Ok(found)
+    Ok(pressures)
 }

@@ -15,7 +15,7 @@ use sparse::NodeGraph;
 use std::collections::BTreeMap;
 
 /// Checks node numbers, coordinates, size and symmetry plane.
-pub(crate) fn nodes(mesh: &Mesh, clamps: &Clamps) -> Result<(), SetupError> {
+pub(crate) fn check_nodes(mesh: &Mesh, clamps: &Clamps) -> Result<(), SetupError> {
     let (nodes, elements) = (mesh.nodes.len(), mesh.elements.len());
     if elements == 0 {
         return Err(SetupError::Empty);
@@ -46,7 +46,7 @@ pub(crate) fn nodes(mesh: &Mesh, clamps: &Clamps) -> Result<(), SetupError> {
 }
 
 /// Checks the shapes of the elements, and that every node belongs to one.
-pub(crate) fn elements(mesh: &Mesh, reference: &ReferenceElements, graph: &NodeGraph) -> Result<(), SetupError> {
+pub(crate) fn check_elements(mesh: &Mesh, reference: &ReferenceElements, graph: &NodeGraph) -> Result<(), SetupError> {
     for element in 0..mesh.elements.len() {
         let volume = reference.volumes[element];
         let corner = |n: usize| mesh.nodes[mesh.elements.nodes(element)[n] as usize];
@@ -68,22 +68,22 @@ pub(crate) fn elements(mesh: &Mesh, reference: &ReferenceElements, graph: &NodeG
 }
 
 /// Checks that every element has properties, and their ranges.
-pub(crate) fn regions(mesh: &Mesh, regions: &[RegionProperties]) -> Result<(), SetupError> {
+pub(crate) fn check_regions(mesh: &Mesh, regions: &[RegionProperties]) -> Result<(), SetupError> {
     let given = regions.len();
     if let Some(element) = mesh.regions.iter().position(|&region| region as usize >= given) {
         return Err(SetupError::RegionWithoutProperties { element, region: mesh.regions[element], given });
     }
     for (region, is) in regions.iter().enumerate() {
-        elastic(region, is.youngs_modulus, is.poissons_ratio)?;
-        density(region, is.density)?;
-        stiffening(region, is.stiffening)?;
-        relaxation(region, is.material, &is.relaxation)?;
+        check_elastic(region, is.youngs_modulus, is.poissons_ratio)?;
+        check_density(region, is.density)?;
+        check_stiffening(region, is.stiffening)?;
+        check_relaxation(region, is.material, &is.relaxation)?;
     }
     Ok(())
 }
 
 /// Checks the ratios C₂₀/C₁₀ and C₃₀/C₁₀.
-pub(crate) fn stiffening(region: usize, ratios: [f64; 2]) -> Result<(), SetupError> {
+pub(crate) fn check_stiffening(region: usize, ratios: [f64; 2]) -> Result<(), SetupError> {
     match ratios.into_iter().find(|ratio| !(-10.0..=100.0).contains(ratio)) {
         Some(value) => {
             let (name, range) = ("a ratio of stiffening", "between -10 and 100 (C20/C10 of rubber: -0.1 to 0)");
@@ -94,8 +94,12 @@ pub(crate) fn stiffening(region: usize, ratios: [f64; 2]) -> Result<(), SetupErr
 }
 
 /// Checks that a law can relax: at finite strain that needs an objective one.
-pub(crate) fn relaxation(region: usize, material: &dyn Material, of: &Relaxation) -> Result<(), SetupError> {
-    if of.is_none() || material.is_objective() {
+pub(crate) fn check_relaxation(
+    region: usize,
+    material: &dyn Material,
+    relaxation: &Relaxation,
+) -> Result<(), SetupError> {
+    if relaxation.is_none() || material.is_objective() {
         return Ok(());
     }
     Err(SetupError::RelaxationLaw { region, law: material.name() })
@@ -120,7 +124,7 @@ pub(crate) fn element_factors_relax(factors: &[f64], relaxations: &[&Relaxation]
 }
 
 /// Checks the range of a density (kg/m³).
-pub(crate) fn density(region: usize, density: f64) -> Result<(), SetupError> {
+pub(crate) fn check_density(region: usize, density: f64) -> Result<(), SetupError> {
     if !(density > 0.0 && density < 1e5) {
         let (name, unit, range) = ("density", "kg/m³", "between 0 and 100000 kg/m³");
         return Err(SetupError::Property { region, name, value: density, unit, range });
@@ -129,7 +133,7 @@ pub(crate) fn density(region: usize, density: f64) -> Result<(), SetupError> {
 }
 
 /// Checks the ranges of E (Pa) and ν.
-pub(crate) fn elastic(region: usize, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), SetupError> {
+pub(crate) fn check_elastic(region: usize, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), SetupError> {
     if !(youngs_modulus > 1.0 && youngs_modulus < 1e13) {
         let (name, unit, range) = ("Young's modulus", "Pa", "between 1 Pa and 10 TPa");
         return Err(SetupError::Property { region, name, value: youngs_modulus, unit, range });
@@ -142,7 +146,7 @@ pub(crate) fn elastic(region: usize, youngs_modulus: f64, poissons_ratio: f64) -
 }
 
 /// Checks nodes and values of attached masses.
-pub(crate) fn masses(mesh: &Mesh, masses: &Masses) -> Result<(), SetupError> {
+pub(crate) fn check_masses(mesh: &Mesh, masses: &Masses) -> Result<(), SetupError> {
     let nodes = mesh.nodes.len();
     for (index, (node, mass)) in masses.iter().enumerate() {
         if node as usize >= nodes {
@@ -156,7 +160,7 @@ pub(crate) fn masses(mesh: &Mesh, masses: &Masses) -> Result<(), SetupError> {
 }
 
 /// Checks the ranges of a law of contact.
-pub(crate) fn contact(mesh: &Mesh, Contact { range, pressure }: Contact) -> Result<(), SetupError> {
+pub(crate) fn check_contact(mesh: &Mesh, Contact { range, pressure }: Contact) -> Result<(), SetupError> {
     let largest = 0.1 * mesh.size();
     if !(range > 0.0 && range <= largest && pressure > 0.0 && pressure.is_finite()) {
         return Err(SetupError::Contact { range, largest, pressure });
@@ -170,25 +174,25 @@ pub(crate) fn shear_share(share: f64) -> Result<(), SetupError> {
 }
 
 /// Checks that every connected part is constrained against all six rigid motions.
-pub(crate) fn constraints(mesh: &Mesh, graph: &NodeGraph, clamps: &Clamps) -> Result<(), SetupError> {
+pub(crate) fn check_constraints(mesh: &Mesh, graph: &NodeGraph, clamps: &Clamps) -> Result<(), SetupError> {
     let constrained: BTreeMap<u32, [bool; 3]> = clamps.iter().collect();
     let size = mesh.size();
-    let mut seen = vec![false; graph.len()];
+    let mut visited = vec![false; graph.len()];
     for node in 0..graph.len() {
-        if seen[node] {
+        if visited[node] {
             continue;
         }
         let mut gram = Matrix6::zeros();
         let mut queue = vec![node as u32];
-        seen[node] = true;
+        visited[node] = true;
         while let Some(next) = queue.pop() {
-            let at = vec3::scale(vec3::sub(mesh.nodes[next as usize], mesh.nodes[node]), 1.0 / size);
+            let offset = vec3::scale(vec3::sub(mesh.nodes[next as usize], mesh.nodes[node]), 1.0 / size);
             let axes = constrained.get(&next).copied().unwrap_or_default();
-            for motion in (0..3).filter(|&axis| axes[axis]).map(|axis| rigid(at, axis)) {
+            for motion in (0..3).filter(|&axis| axes[axis]).map(|axis| rigid_motion(offset, axis)) {
                 gram += motion * motion.transpose();
             }
             for &other in graph.of(next) {
-                if !std::mem::replace(&mut seen[other as usize], true) {
+                if !std::mem::replace(&mut visited[other as usize], true) {
                     queue.push(other);
                 }
             }
@@ -202,19 +206,19 @@ pub(crate) fn constraints(mesh: &Mesh, graph: &NodeGraph, clamps: &Clamps) -> Re
 }
 
 /// Displacement along `axis` of a point under three unit translations and three unit rotations.
-fn rigid(at: [f64; 3], axis: usize) -> Vector6<f64> {
+fn rigid_motion(offset: [f64; 3], axis: usize) -> Vector6<f64> {
     let mut motion = Vector6::zeros();
     motion[axis] = 1.0;
     for about in 0..3 {
         let mut spin = [0.0; 3];
         spin[about] = 1.0;
-        motion[3 + about] = vec3::cross(spin, at)[axis];
+        motion[3 + about] = vec3::cross(spin, offset)[axis];
     }
     motion
 }
 
 /// Checks that a chamber's surface is closed, except for edges on the symmetry plane.
-pub(crate) fn closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(), SetupError> {
+pub(crate) fn check_closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(), SetupError> {
     let (face, element) = (chamber.faces.nodes_each(), mesh.elements.nodes_each());
     if [(3, 4), (6, 10), (8, 20)].iter().all(|pair| *pair != (face, element)) {
         return Err(SetupError::MixedOrders { chamber: index, face, element });

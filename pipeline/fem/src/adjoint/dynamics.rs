@@ -57,7 +57,7 @@ impl AdjointState {
         Self { displacement: vec![0.0; full], velocity: vec![0.0; full], rate: vec![0.0; full] }
     }
 
-    fn add(&mut self, loss: &LossGradient) {
+    fn add_loss(&mut self, loss: &LossGradient) {
         add(&mut self.displacement, 1.0, &loss.displacement);
         add(&mut self.velocity, 1.0, &loss.velocity);
     }
@@ -73,7 +73,7 @@ struct PastAdjoint {
 
 impl PastAdjoint {
     /// Adds what the first step hands back to the initial state at `u`, to `right` (3 entries per node).
-    fn finish(&self, data: &SystemData, u: &[f64], right: &mut [f64]) {
+    fn add_initial_history(&self, data: &SystemData, u: &[f64], right: &mut [f64]) {
         self.history.add_right_side((data, &self.regions), false, u, right);
     }
 }
@@ -87,7 +87,7 @@ impl SolverState {
     ) -> Result<MotionGradient, SolveError> {
         let (nodes, chambers) = (self.data.mesh.nodes.len(), self.data.chambers.len());
         let mut gradient = MotionGradient::zero(nodes, self.inputs.properties.len(), chambers, trajectory.steps());
-        if step::regions(&self.inputs.properties, 0.0).is_none() {
+        if step::region_steps(&self.inputs.properties, 0.0).is_none() {
             gradient.elements = vec![0.0; self.data.mesh.elements.len()];
         }
         let full = self.data.full_length();
@@ -96,11 +96,11 @@ impl SolverState {
         let mut past = self.adjoint_of_histories();
         for number in (0..trajectory.segments()).rev() {
             let segment = self.segment(trajectory, number)?;
-            let (first, last) = trajectory.bounds(number);
+            let (first, last) = trajectory.segment_bounds(number);
             for n in (first..=last).rev() {
                 let loss = loss_gradient(n, segment.state(n));
                 self.check_loss_gradient(&loss)?;
-                states[0].add(&loss);
+                states[0].add_loss(&loss);
                 let step = TrajectoryStep::new(trajectory, &segment, n);
                 self.adjoint_step(&step, (&mut states, past.as_mut()), &mut gradient, &mut policy)?;
                 states.pop_front();
@@ -109,11 +109,11 @@ impl SolverState {
             if number == 0 {
                 let loss = loss_gradient(0, segment.state(0));
                 self.check_loss_gradient(&loss)?;
-                states[0].add(&loss);
+                states[0].add_loss(&loss);
                 let beta = trajectory.settings.stiffness_damping;
                 self.adjoint_of_initial_force(beta, segment.state(0), &mut states[0], &mut gradient);
                 if let Some(past) = &past {
-                    past.finish(&self.data, &segment.state(0).displacement, &mut states[0].displacement);
+                    past.add_initial_history(&self.data, &segment.state(0).displacement, &mut states[0].displacement);
                     self.add_relaxation_gradient(&past.sums, &mut gradient);
                 }
             }
@@ -133,7 +133,7 @@ impl SolverState {
         gradient: &mut MotionGradient,
         policy: &mut RefactorisationPolicy,
     ) -> Result<(), SolveError> {
-        let regions = step::regions(&self.inputs.properties, step.length());
+        let regions = step::region_steps(&self.inputs.properties, step.length());
         let Stencil { gamma, weights } = &step.stencil;
         let (alpha, beta) = (step.trajectory.settings.mass_damping, step.trajectory.settings.stiffness_damping);
         let AdjointState { displacement: mut right, velocity, rate } = states[0].clone();
@@ -178,7 +178,7 @@ impl SolverState {
         let gamma = step.stencil.gamma;
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
         let u = &step.state().displacement;
-        self.couple(u)?;
+        self.couple_contact(u)?;
         let mut b = self.data.pattern.gather(right);
         if settings.stiffness_damping > 0.0 {
             let image = self.elastic_stiffness_times(u, rate);
@@ -194,7 +194,7 @@ impl SolverState {
         let options = pcg_options(settings);
         let (free, iterations) = newton.tangent_solve(&potential, u, &b, options).ok_or(SolveError::NotStable)?;
         let lambda = data.pattern.scattered(&free, 1.0, right.len());
-        policy.count(iterations, policy.refactorise);
+        policy.count_step(iterations, policy.refactorise);
         Ok(lambda)
     }
 
@@ -221,19 +221,26 @@ impl SolverState {
             add(&mut gradient.elements, 1.0, &self.element_gradients(&body.element_work(u, on_elastic)));
         }
         let work = body.virtual_work(u, on_elastic, on_rate);
-        for ((of, is), (by_moduli, rate)) in gradient.regions.iter_mut().zip(&self.inputs.properties).zip(work) {
-            let by =
-                |change: Moduli| change.to_array().iter().zip(by_moduli).map(|(change, by)| change * by).sum::<f64>();
-            of.youngs_modulus -= by(is.moduli_by_youngs_modulus());
-            of.poissons_ratio -= by(is.moduli_by_poissons_ratio());
-            of.stiffening.iter_mut().enumerate().for_each(|(term, of)| *of -= by(is.moduli_by_stiffening(term)));
+        for ((region, properties), (by_moduli, rate)) in
+            gradient.regions.iter_mut().zip(&self.inputs.properties).zip(work)
+        {
+            let work_by_change = |change: Moduli| {
+                change.to_array().iter().zip(by_moduli).map(|(change, product)| change * product).sum::<f64>()
+            };
+            region.youngs_modulus -= work_by_change(properties.moduli_by_youngs_modulus());
+            region.poissons_ratio -= work_by_change(properties.moduli_by_poissons_ratio());
+            region
+                .stiffening
+                .iter_mut()
+                .enumerate()
+                .for_each(|(term, derivative)| *derivative -= work_by_change(properties.moduli_by_stiffening(term)));
             gradient.stiffness_damping -= rate;
         }
     }
 
     /// The adjoint of the histories after the last step; none when no region relaxes.
     fn adjoint_of_histories(&self) -> Option<PastAdjoint> {
-        let regions = step::regions(&self.inputs.properties, 0.0)?;
+        let regions = step::region_steps(&self.inputs.properties, 0.0)?;
         let sums = regions.iter().map(|region| RelaxationSums {
             by_branch: vec![[0.0; 2]; region.branches.len()],
             ..RelaxationSums::default()
@@ -258,18 +265,19 @@ impl SolverState {
         let mut rate = step.acceleration();
         add(&mut rate, step.trajectory.settings.mass_damping, velocity);
         let regions = gradient.regions.len();
-        let products = self.data.products.products(&self.data.mesh, regions, lambda, &rate);
-        let by = |parameter| dot(lambda, &self.load_residual_derivative(displacement, pressures, parameter));
-        for (region, (of, product)) in gradient.regions.iter_mut().zip(products).enumerate() {
-            of.density -= product;
+        let products = self.data.products.region_products(&self.data.mesh, regions, lambda, &rate);
+        let load_derivative =
+            |parameter| dot(lambda, &self.load_residual_derivative(displacement, pressures, parameter));
+        for (region, (region_gradient, product)) in gradient.regions.iter_mut().zip(products).enumerate() {
+            region_gradient.density -= product;
             if self.inputs.gravity != [0.0; 3] {
-                of.density -= by(Parameter::Density(region));
+                region_gradient.density -= load_derivative(Parameter::Density(region));
             }
         }
         gradient.mass_damping -= dot(lambda, &self.mass_times(velocity));
-        for (chamber, of) in gradient.pressures[step.n - 1].iter_mut().enumerate() {
-            *of = -by(Parameter::Pressure(chamber));
-            gradient.pressure_gains[chamber] += pressures[chamber] * *of;
+        for (chamber, derivative) in gradient.pressures[step.n - 1].iter_mut().enumerate() {
+            *derivative = -load_derivative(Parameter::Pressure(chamber));
+            gradient.pressure_gains[chamber] += pressures[chamber] * *derivative;
         }
         add(&mut gradient.forces, 1.0, lambda);
     }

@@ -150,11 +150,11 @@ impl SolverState {
                 add_gravity(&nodal_mass, self.inputs.gravity, &mut derivative);
             }
             Parameter::Pressure(chamber) => {
-                let gas = self.gas(chamber, pressures);
+                let gas = self.chamber_gas(chamber, pressures);
                 gas.chamber.add_gradient(u, gas.gauge_by_pressure(u), &mut derivative);
             }
             Parameter::PressureGain(chamber) => {
-                let gas = self.gas(chamber, pressures);
+                let gas = self.chamber_gas(chamber, pressures);
                 gas.chamber.add_gradient(u, pressures[chamber] * gas.gauge_by_pressure(u), &mut derivative);
             }
             Parameter::Force { node, axis } => derivative[3 * node + axis] = -1.0,
@@ -163,7 +163,7 @@ impl SolverState {
         derivative
     }
 
-    fn gas(&self, chamber: usize, pressures: &[Pascal]) -> Gas<'_> {
+    fn chamber_gas(&self, chamber: usize, pressures: &[Pascal]) -> Gas<'_> {
         let (pressure, ambient) = (pressures[chamber], self.inputs.ambient[chamber]);
         Gas { chamber: &self.data.chambers[chamber], pressure, ambient }
     }

@@ -37,27 +37,28 @@ impl SolverState {
         observe: &mut dyn FnMut(usize, &[&State]),
     ) -> Result<(), SolveError> {
         parameters.iter().try_for_each(|&parameter| self.check_parameter(parameter))?;
-        let mut all: Vec<Sensitivity> = parameters.iter().map(|&parameter| self.of_initial_state(parameter)).collect();
-        let mut report = |n: usize, all: &[Sensitivity]| {
-            observe(n, &all.iter().map(|sensitivity| &sensitivity.states[0]).collect::<Vec<_>>());
+        let mut sensitivities: Vec<Sensitivity> =
+            parameters.iter().map(|&parameter| self.of_initial_state(parameter)).collect();
+        let mut report = |n: usize, sensitivities: &[Sensitivity]| {
+            observe(n, &sensitivities.iter().map(|sensitivity| &sensitivity.states[0]).collect::<Vec<_>>());
         };
-        report(0, &all);
+        report(0, &sensitivities);
         for number in 0..trajectory.segments() {
             let segment = self.segment(trajectory, number)?;
-            let (first, last) = trajectory.bounds(number);
+            let (first, last) = trajectory.segment_bounds(number);
             if number == 0 {
                 let u = &segment.state(0).displacement;
-                all.iter_mut().for_each(|sensitivity| self.start_history(u, sensitivity));
+                sensitivities.iter_mut().for_each(|sensitivity| self.start_history(u, sensitivity));
             }
             for n in first..=last {
-                for sensitivity in &mut all {
+                for sensitivity in &mut sensitivities {
                     if trajectory.settings.stiffness_damping > 0.0 && n == 1 {
                         let elastic = self.elastic_sensitivity(&segment.state(0).displacement, sensitivity);
                         sensitivity.elastic.push_front(elastic);
                     }
                     self.sensitivity_step(&TrajectoryStep::new(trajectory, &segment, n), sensitivity)?;
                 }
-                report(n, &all);
+                report(n, &sensitivities);
             }
         }
         self.linearised = None;
@@ -83,7 +84,7 @@ impl SolverState {
     /// The derivative of the initial history at the displacement `u`.
     fn start_history(&self, u: &[f64], of: &mut Sensitivity) {
         let du = &of.states[0].displacement;
-        let regions = step::regions(&self.inputs.properties, 0.0);
+        let regions = step::region_steps(&self.inputs.properties, 0.0);
         of.history = regions.map(|regions| HistorySensitivity::relaxed(&self.data, &regions, (u, du)));
     }
 
@@ -96,7 +97,7 @@ impl SolverState {
 
     /// Advances the derivatives by one step.
     fn sensitivity_step(&mut self, step: &TrajectoryStep, of: &mut Sensitivity) -> Result<(), SolveError> {
-        let regions = step::regions(&self.inputs.properties, step.length());
+        let regions = step::region_steps(&self.inputs.properties, step.length());
         let data = Arc::clone(&self.data);
         let past = step.history_step(&data, regions.as_deref());
         let mut derivative = self.step_residual_derivative(step, of);
@@ -157,7 +158,7 @@ impl SolverState {
         let (settings, gamma) = (&step.trajectory.settings, step.stencil.gamma);
         let u = &step.state().displacement;
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
-        self.couple(u)?;
+        self.couple_contact(u)?;
         let Self { data, inputs, newton, .. } = self;
         let potential = inputs.at_rest(data, step.pressures()).in_motion(&inertia);
         newton.linearise(&potential, u);

@@ -24,14 +24,17 @@ impl SolverState {
         // The tangent is symmetric, so the adjoint needs no transposed factor: the one that Newton's method left
         // preconditions it.
         let lambda = self.solve_at(at, dloss_du)?;
-        let by = |parameter| -dot(&lambda, &self.residual_derivative(at, parameter));
+        let load_derivative = |parameter| -dot(&lambda, &self.residual_derivative(at, parameter));
         let work = self.inputs.body(&self.data).element_work(&at.displacement, &lambda);
         let mut regions = self.region_gradients(&work);
         // Without gravity a density has no effect on an equilibrium.
         if self.inputs.gravity != [0.0; 3] {
-            regions.iter_mut().enumerate().for_each(|(region, of)| of.density = by(Parameter::Density(region)));
+            regions.iter_mut().enumerate().for_each(|(region, region_gradient)| {
+                region_gradient.density = load_derivative(Parameter::Density(region))
+            });
         }
-        let pressures = (0..self.data.chambers.len()).map(|chamber| by(Parameter::Pressure(chamber))).collect();
+        let pressures =
+            (0..self.data.chambers.len()).map(|chamber| load_derivative(Parameter::Pressure(chamber))).collect();
         let elements = self.element_gradients(&work);
         Ok(Gradient { regions, elements, pressures, forces: lambda })
     }
@@ -44,26 +47,26 @@ impl SolverState {
             let factor = self.inputs.factors.get(element).copied().unwrap_or(1.0);
             sums[region as usize].iter_mut().zip(work).for_each(|(sum, work)| *sum += factor * work);
         }
-        let of = |(is, sums): (&RegionProperties, [f64; 4])| {
-            let by =
+        let region_gradient = |(properties, sums): (&RegionProperties, [f64; 4])| {
+            let derivative_along =
                 |change: Moduli| -change.to_array().iter().zip(sums).map(|(change, sum)| change * sum).sum::<f64>();
             RegionGradient {
-                youngs_modulus: by(is.moduli_by_youngs_modulus()),
-                poissons_ratio: by(is.moduli_by_poissons_ratio()),
+                youngs_modulus: derivative_along(properties.moduli_by_youngs_modulus()),
+                poissons_ratio: derivative_along(properties.moduli_by_poissons_ratio()),
                 density: 0.0,
-                stiffening: [0, 1].map(|term| by(is.moduli_by_stiffening(term))),
+                stiffening: [0, 1].map(|term| derivative_along(properties.moduli_by_stiffening(term))),
             }
         };
-        self.inputs.properties.iter().zip(sums).map(of).collect()
+        self.inputs.properties.iter().zip(sums).map(region_gradient).collect()
     }
 
     /// ∂L by the factor of each element.
     pub(crate) fn element_gradients(&self, work: &[[f64; 4]]) -> Vec<f64> {
-        let moduli: Vec<[f64; 4]> = self.inputs.elastic.iter().map(|is| is.moduli.to_array()).collect();
-        let of = |(work, &region): (&[f64; 4], &u16)| {
+        let moduli: Vec<[f64; 4]> = self.inputs.elastic.iter().map(|elastic| elastic.moduli.to_array()).collect();
+        let element_gradient = |(work, &region): (&[f64; 4], &u16)| {
             -moduli[region as usize].iter().zip(work).map(|(modulus, work)| modulus * work).sum::<f64>()
         };
-        work.iter().zip(&self.data.mesh.regions).map(of).collect()
+        work.iter().zip(&self.data.mesh.regions).map(element_gradient).collect()
     }
 
     /// See [`crate::Solver::sensitivity`].
@@ -131,11 +134,11 @@ impl SolverState {
     fn solve_at(&mut self, at: &Equilibrium, b: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.check_field("the displacement", &at.displacement)?;
         self.check_pressures(&at.pressures)?;
-        self.couple(&at.displacement)?;
+        self.couple_contact(&at.displacement)?;
         let Self { data, inputs, newton, linearised } = self;
         let potential = inputs.at_rest(data, &at.pressures);
-        let known = |of: &Equilibrium| of.displacement == at.displacement && of.pressures == at.pressures;
-        if !linearised.as_ref().is_some_and(known) {
+        let is_same = |state: &Equilibrium| state.displacement == at.displacement && state.pressures == at.pressures;
+        if !linearised.as_ref().is_some_and(is_same) {
             newton.linearise(&potential, &at.displacement);
             *linearised = Some(at.clone());
         }

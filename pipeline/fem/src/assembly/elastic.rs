@@ -2,7 +2,7 @@
 //!
 //! Ψ(u) = Σ_e Σ_q w ψ(F),  F = I + Σ_a u_a ⊗ ∇N_a,  f_a = Σ w P ∇N_a,  K_ab = Σ w ∇N_aᵀ (∂P/∂F) ∇N_b
 
-use crate::assembly::kernels::{add_blocks, add_force, deformation, element_values, scatter};
+use crate::assembly::kernels::{add_blocks, add_force, deformation_gradient, element_values, scatter_forces};
 use crate::assembly::reference::ReferenceElements;
 use crate::mesh::Mesh;
 use materials::material::{Material, Moduli};
@@ -27,7 +27,7 @@ impl Elastic {
     /// The constants that act at each quadrature point, and those that act at the element's mean deformation.
     // Mean dilatation averages the deformation of the λ part alone. Every law is linear in μ and λ, so energy, forces
     // and tangent remain those of one potential, for every law alike, and the tangent stays symmetric.
-    fn split(&self, moduli: Moduli) -> (Moduli, Option<Moduli>) {
+    fn split_moduli(&self, moduli: Moduli) -> (Moduli, Option<Moduli>) {
         if self.mean_dilatation { (moduli.deviatoric(), Some(moduli.volumetric())) } else { (moduli, None) }
     }
 }
@@ -117,41 +117,44 @@ impl Body<'_> {
     }
 
     /// Each element with its nodes and its law.
-    fn elements<const N: usize>(&self) -> impl Iterator<Item = (usize, &[u32; N], Elastic)> {
+    fn elements_with_law<const N: usize>(&self) -> impl Iterator<Item = (usize, &[u32; N], Elastic)> {
         let each = self.mesh.elements.of_order::<N>().iter().zip(&self.mesh.regions).enumerate();
         each.map(|(element, (nodes, &region))| {
             let elastic = self.elastic[region as usize];
-            (element, nodes, Elastic { moduli: elastic.moduli.scaled(self.factor(element)), ..elastic })
+            (element, nodes, Elastic { moduli: elastic.moduli.scaled(self.modulus_factor(element)), ..elastic })
         })
     }
 
     /// The factor of an element's moduli.
-    fn factor(&self, element: usize) -> f64 {
+    fn modulus_factor(&self, element: usize) -> f64 {
         self.factors.get(element).copied().unwrap_or(1.0)
     }
 
     fn for_each_mean_gradient_of<const N: usize>(&self, u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
-        for (element, nodes, elastic) in self.elements::<N>() {
-            let moved = element_values(nodes, u);
-            let points = self.points::<N>(element).zip(&self.reference.shares);
-            let sum: Matrix3<f64> =
-                points.map(|((gradients, weight), shares)| deformation(gradients, &moved) * (weight * shares[0])).sum();
+        for (element, nodes, elastic) in self.elements_with_law::<N>() {
+            let displacements = element_values(nodes, u);
+            let points = self.quadrature_points::<N>(element).zip(&self.reference.shares);
+            let sum: Matrix3<f64> = points
+                .map(|((gradients, weight), shares)| {
+                    deformation_gradient(gradients, &displacements) * (weight * shares[0])
+                })
+                .sum();
             visit(nodes, sum * elastic.moduli.mu);
         }
     }
 
     /// Gradients and weight at each quadrature point of `element`.
-    fn points<const N: usize>(&self, element: usize) -> impl Iterator<Item = (&[Point3; N], f64)> {
+    fn quadrature_points<const N: usize>(&self, element: usize) -> impl Iterator<Item = (&[Point3; N], f64)> {
         let first = element * self.reference.points;
         let (gradients, _) = self.reference.gradients[first * N..(first + self.reference.points) * N].as_chunks::<N>();
         gradients.iter().zip(self.reference.weights[first..].iter().copied())
     }
 
     /// Gradients averaged over `element`, and its volume: the sample of mean dilatation.
-    fn mean<const N: usize>(&self, element: usize) -> ([Point3; N], f64) {
+    fn mean_gradients<const N: usize>(&self, element: usize) -> ([Point3; N], f64) {
         let volume = self.reference.volumes[element];
         let mut mean = [[0.0; 3]; N];
-        for ((gradients, weight), shares) in self.points::<N>(element).zip(&self.reference.shares) {
+        for ((gradients, weight), shares) in self.quadrature_points::<N>(element).zip(&self.reference.shares) {
             for (mean, gradient) in mean.iter_mut().zip(gradients) {
                 (0..3).for_each(|axis| mean[axis] += weight * shares[1] / volume * gradient[axis]);
             }
@@ -167,31 +170,32 @@ impl Body<'_> {
         moduli: Moduli,
         mut visit: impl FnMut(Sample<N>),
     ) {
-        let (pointwise, mean) = elastic.split(moduli);
+        let (pointwise, mean) = elastic.split_moduli(moduli);
         let first = element * self.reference.points;
-        for (point, (gradients, weight)) in self.points::<N>(element).enumerate() {
+        for (point, (gradients, weight)) in self.quadrature_points::<N>(element).enumerate() {
             let [shear, bulk] = self.reference.shares[point];
             // what the past holds is of the μ part
-            let held = self.held.get(first + point).map(|held| matrix(held) * (self.held_factor * shear));
-            visit(Sample { gradients, weight, moduli: pointwise.shared(shear, bulk), held });
+            let held_stress =
+                self.held.get(first + point).map(|held_stress| matrix(held_stress) * (self.held_factor * shear));
+            visit(Sample { gradients, weight, moduli: pointwise.shared(shear, bulk), held: held_stress });
         }
         if let Some(moduli) = mean {
-            let (gradients, weight) = self.mean::<N>(element);
+            let (gradients, weight) = self.mean_gradients::<N>(element);
             visit(Sample { gradients: &gradients, weight, moduli, held: None });
         }
     }
 
     fn energy_of<const N: usize>(&self, u: &[f64], forces: &mut [f64]) -> Joule {
         let mut total = 0.0;
-        for (element, nodes, elastic) in self.elements::<N>() {
-            let moved = element_values(nodes, u);
+        for (element, nodes, elastic) in self.elements_with_law::<N>() {
+            let displacements = element_values(nodes, u);
             let mut force = [[0.0; 3]; N];
             self.for_each_sample::<N>(
                 element,
                 elastic,
                 elastic.moduli,
                 |Sample { gradients, weight, moduli, held }| {
-                    let now = deformation(gradients, &moved);
+                    let now = deformation_gradient(gradients, &displacements);
                     let (mut energy, mut stress) = elastic.material.stress(&now, moduli);
                     if let Some(held) = held {
                         energy += 0.5 * held.component_mul(&(now.tr_mul(&now) - Matrix3::identity())).sum();
@@ -201,88 +205,99 @@ impl Body<'_> {
                     add_force(&mut force, gradients, &stress, weight);
                 },
             );
-            scatter(nodes, &force, forces);
+            scatter_forces(nodes, &force, forces);
         }
         total
     }
 
-    fn virtual_work_of<const N: usize>(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<([f64; 4], f64)> {
+    fn virtual_work_of<const N: usize>(
+        &self,
+        u: &[f64],
+        virtual_field: &[f64],
+        other_field: &[f64],
+    ) -> Vec<([f64; 4], f64)> {
         let mut sums = vec![([0.0; 4], 0.0); self.elastic.len()];
-        for (element, nodes, of) in self.elements::<N>() {
+        for (element, nodes, elastic) in self.elements_with_law::<N>() {
             let (by_moduli, by_force) = &mut sums[self.mesh.regions[element] as usize];
-            let (moved, along, other) =
-                (element_values(nodes, u), element_values(nodes, along), element_values(nodes, other));
-            let factor = self.factor(element);
+            let (displacements, virtual_field, other_field) =
+                (element_values(nodes, u), element_values(nodes, virtual_field), element_values(nodes, other_field));
+            let factor = self.modulus_factor(element);
             let every = Moduli { mu: 1.0, lambda: 1.0, stiffening: [1.0; 2] };
-            self.for_each_sample::<N>(element, of, every, |Sample { gradients, weight, moduli: acting, .. }| {
-                let stress = of.material.stress_by_moduli(&deformation(gradients, &moved));
-                let along = deformation(gradients, &along) - Matrix3::identity();
-                let other = deformation(gradients, &other) - Matrix3::identity();
-                let each = stress.iter().zip(acting.to_array()).zip(of.moduli.to_array()).zip(by_moduli.iter_mut());
-                for (((stress, acts), modulus), sum) in each.filter(|(((_, acts), _), _)| *acts != 0.0) {
-                    let stress = stress * (acts * weight);
-                    *sum += factor * stress.component_mul(&along).sum();
-                    *by_force += modulus * stress.component_mul(&other).sum();
-                }
-            });
+            self.for_each_sample::<N>(
+                element,
+                elastic,
+                every,
+                |Sample { gradients, weight, moduli: acting, .. }| {
+                    let stress = elastic.material.stress_by_moduli(&deformation_gradient(gradients, &displacements));
+                    let virtual_field = deformation_gradient(gradients, &virtual_field) - Matrix3::identity();
+                    let other_field = deformation_gradient(gradients, &other_field) - Matrix3::identity();
+                    let each =
+                        stress.iter().zip(acting.to_array()).zip(elastic.moduli.to_array()).zip(by_moduli.iter_mut());
+                    for (((stress, acts), modulus), sum) in each.filter(|(((_, acts), _), _)| *acts != 0.0) {
+                        let stress = stress * (acts * weight);
+                        *sum += factor * stress.component_mul(&virtual_field).sum();
+                        *by_force += modulus * stress.component_mul(&other_field).sum();
+                    }
+                },
+            );
         }
         sums
     }
 
     fn add_element_force_of<const N: usize>(&self, u: &[f64], element: usize, forces: &mut [f64]) {
-        let of = self.elastic[self.mesh.regions[element] as usize];
+        let elastic = self.elastic[self.mesh.regions[element] as usize];
         let nodes = &self.mesh.elements.of_order::<N>()[element];
-        let (moved, mut force) = (element_values(nodes, u), [[0.0; 3]; N]);
-        self.for_each_sample::<N>(element, of, of.moduli, |Sample { gradients, weight, moduli, .. }| {
-            let stress = of.material.stress(&deformation(gradients, &moved), moduli).1;
+        let (displacements, mut force) = (element_values(nodes, u), [[0.0; 3]; N]);
+        self.for_each_sample::<N>(element, elastic, elastic.moduli, |Sample { gradients, weight, moduli, .. }| {
+            let stress = elastic.material.stress(&deformation_gradient(gradients, &displacements), moduli).1;
             add_force(&mut force, gradients, &stress, weight);
         });
-        scatter(nodes, &force, forces);
+        scatter_forces(nodes, &force, forces);
     }
 
-    fn element_work_of<const N: usize>(&self, u: &[f64], along: &[f64]) -> Vec<[f64; 4]> {
+    fn element_work_of<const N: usize>(&self, u: &[f64], virtual_field: &[f64]) -> Vec<[f64; 4]> {
         let every = Moduli { mu: 1.0, lambda: 1.0, stiffening: [1.0; 2] };
-        let work = |(element, nodes, of): (usize, &[u32; N], Elastic)| {
-            let (moved, along) = (element_values(nodes, u), element_values(nodes, along));
+        let work = |(element, nodes, elastic): (usize, &[u32; N], Elastic)| {
+            let (displacements, virtual_field) = (element_values(nodes, u), element_values(nodes, virtual_field));
             let mut sums = [0.0; 4];
-            self.for_each_sample::<N>(element, of, every, |Sample { gradients, weight, moduli, .. }| {
-                let stress = of.material.stress_by_moduli(&deformation(gradients, &moved));
-                let along = deformation(gradients, &along) - Matrix3::identity();
+            self.for_each_sample::<N>(element, elastic, every, |Sample { gradients, weight, moduli, .. }| {
+                let stress = elastic.material.stress_by_moduli(&deformation_gradient(gradients, &displacements));
+                let virtual_field = deformation_gradient(gradients, &virtual_field) - Matrix3::identity();
                 for ((sum, stress), acts) in sums.iter_mut().zip(stress).zip(moduli.to_array()) {
-                    *sum += acts * weight * stress.dot(&along);
+                    *sum += acts * weight * stress.dot(&virtual_field);
                 }
             });
             sums
         };
-        self.elements::<N>().map(work).collect()
+        self.elements_with_law::<N>().map(work).collect()
     }
 
     fn force_derivative_of<const N: usize>(&self, u: &[f64], region: usize, change: Moduli, forces: &mut [f64]) {
         let inside = |element: usize| self.mesh.regions[element] as usize == region;
-        for (element, nodes, elastic) in self.elements::<N>().filter(|&(element, ..)| inside(element)) {
-            let moved = element_values(nodes, u);
+        for (element, nodes, elastic) in self.elements_with_law::<N>().filter(|&(element, ..)| inside(element)) {
+            let displacements = element_values(nodes, u);
             let mut force = [[0.0; 3]; N];
-            let change = change.scaled(self.factor(element));
+            let change = change.scaled(self.modulus_factor(element));
             self.for_each_sample::<N>(element, elastic, change, |Sample { gradients, weight, moduli, .. }| {
-                let stress = elastic.material.stress(&deformation(gradients, &moved), moduli).1;
+                let stress = elastic.material.stress(&deformation_gradient(gradients, &displacements), moduli).1;
                 add_force(&mut force, gradients, &stress, weight);
             });
-            scatter(nodes, &force, forces);
+            scatter_forces(nodes, &force, forces);
         }
     }
 
     fn stiffness_of<const N: usize>(&self, u: &[f64], kind: TangentKind, values: &mut [f64]) {
         let pairs = N * (N + 1) / 2;
-        for (element, nodes, elastic) in self.elements::<N>() {
+        for (element, nodes, elastic) in self.elements_with_law::<N>() {
             let material = elastic.material;
-            let moved = element_values(nodes, u);
+            let displacements = element_values(nodes, u);
             let mut blocks = [[0.0; 9]; MAX_PAIRS];
             self.for_each_sample::<N>(element, elastic, elastic.moduli, |sample| {
                 let Sample { gradients, weight, moduli, held } = sample;
-                let now = deformation(gradients, &moved);
-                let at = |u: &[f64]| deformation(gradients, &element_values(nodes, u));
+                let now = deformation_gradient(gradients, &displacements);
+                let deformation_at = |u: &[f64]| deformation_gradient(gradients, &element_values(nodes, u));
                 let state = PointState { material, moduli, F: &now, held: held.as_ref() };
-                let tangent = kind.tangent(&state, at);
+                let tangent = kind.tangent(&state, deformation_at);
                 add_blocks(&mut blocks[..pairs], gradients, &(tangent * weight));
             });
             let positions = &self.block_positions[element * pairs..(element + 1) * pairs];

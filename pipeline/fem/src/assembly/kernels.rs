@@ -7,13 +7,16 @@ use si::Point3;
 /// Entries of an element's nodes in a vector with 3 entries per node.
 pub(crate) fn element_values<const N: usize>(nodes: &[u32; N], u: &[f64]) -> [Point3; N] {
     std::array::from_fn(|a| {
-        let at = 3 * nodes[a] as usize;
-        [u[at], u[at + 1], u[at + 2]]
+        let first_dof = 3 * nodes[a] as usize;
+        [u[first_dof], u[first_dof + 1], u[first_dof + 2]]
     })
 }
 
 /// F = I + Σ_a u_a ⊗ ∇N_a
-pub(crate) fn deformation<const N: usize>(gradients: &[Point3; N], displacement: &[Point3; N]) -> Matrix3<f64> {
+pub(crate) fn deformation_gradient<const N: usize>(
+    gradients: &[Point3; N],
+    displacement: &[Point3; N],
+) -> Matrix3<f64> {
     let mut columns = [[0.0; 3]; 3];
     for (gradient, u) in gradients.iter().zip(displacement) {
         for (column, derivative) in columns.iter_mut().zip(gradient) {
@@ -40,7 +43,7 @@ pub(crate) fn add_force<const N: usize>(
 }
 
 /// Adds the forces of an element to those of all nodes, 3 entries per node.
-pub(crate) fn scatter<const N: usize>(nodes: &[u32; N], force: &[Point3; N], forces: &mut [f64]) {
+pub(crate) fn scatter_forces<const N: usize>(nodes: &[u32; N], force: &[Point3; N], forces: &mut [f64]) {
     for (&node, force) in nodes.iter().zip(force) {
         (0..3).for_each(|axis| forces[3 * node as usize + axis] += force[axis]);
     }
@@ -73,9 +76,9 @@ pub(crate) fn add_blocks<const N: usize>(blocks: &mut [[f64; 9]], gradients: &[P
 pub(crate) fn deformation_of(nodes: &[u32], gradients: &[Point3], u: &[f64]) -> Matrix3<f64> {
     let mut sum = Matrix3::identity();
     for (&node, gradient) in nodes.iter().zip(gradients) {
-        let at = 3 * node as usize;
+        let first_dof = 3 * node as usize;
         for (axis, derivative) in gradient.iter().enumerate() {
-            (0..3).for_each(|i| sum[(i, axis)] += u[at + i] * derivative);
+            (0..3).for_each(|i| sum[(i, axis)] += u[first_dof + i] * derivative);
         }
     }
     sum

@@ -28,7 +28,7 @@ impl ShapeProducts {
         for element in 0..mesh.elements.len() {
             let mut full = shape_products(mesh, element, &rule);
             if lumped {
-                lump(&mut full, nodes);
+                lump_mass(&mut full, nodes);
             }
             pairs.extend((0..nodes).flat_map(|a| (0..=a).map(move |b| a * nodes + b)).map(|at| full[at]));
         }
@@ -49,7 +49,7 @@ impl ShapeProducts {
     }
 
     /// By region, ∫ (Σ_a N_a x_a) · (Σ_b N_b y_b) dV; x and y hold 3 entries per node.
-    pub(crate) fn products(&self, mesh: &Mesh, regions: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
+    pub(crate) fn region_products(&self, mesh: &Mesh, regions: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; regions];
         let inner = |a: u32, b: u32| {
             let (a, b) = (3 * a as usize, 3 * b as usize);
@@ -87,7 +87,7 @@ impl ShapeProducts {
 }
 
 /// Moves all of an element's mass to its diagonal, in proportion to the diagonal.
-fn lump(products: &mut [f64], nodes: usize) {
+fn lump_mass(products: &mut [f64], nodes: usize) {
     let volume: f64 = products.iter().sum();
     let trace: f64 = (0..nodes).map(|a| products[a * nodes + a]).sum();
     for a in 0..nodes {

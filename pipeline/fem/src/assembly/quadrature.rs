@@ -11,10 +11,11 @@ pub(crate) fn tetrahedron_1() -> Vec<(Point3, f64)> {
 
 /// Four points, exact to degree 2: the strain energy of the 10-node tetrahedron.     [hammer1956]
 pub(crate) fn tetrahedron_4() -> Vec<(Point3, f64)> {
-    let near = (5.0 - 5f64.sqrt()) / 20.0;
-    let far = 1.0 - 3.0 * near;
-    let points = [[near, near, near], [far, near, near], [near, far, near], [near, near, far]];
-    points.into_iter().map(|at| (at, 1.0 / 24.0)).collect()
+    let lesser = (5.0 - 5f64.sqrt()) / 20.0;
+    let greater = 1.0 - 3.0 * lesser;
+    let points =
+        [[lesser, lesser, lesser], [greater, lesser, lesser], [lesser, greater, lesser], [lesser, lesser, greater]];
+    points.into_iter().map(|point| (point, 1.0 / 24.0)).collect()
 }
 
 /// Gauss-Legendre points of a cube folded onto the tetrahedron: 125 points, exact to degree 7. For integrals evaluated
@@ -25,8 +26,8 @@ pub(crate) fn tetrahedron_125() -> Vec<(Point3, f64)> {
     for &(a, wa) in &line {
         for &(b, wb) in &line {
             for &(c, wc) in &line {
-                let at = [a, b * (1.0 - a), c * (1.0 - a) * (1.0 - b)];
-                points.push((at, wa * wb * wc * (1.0 - a) * (1.0 - a) * (1.0 - b)));
+                let point = [a, b * (1.0 - a), c * (1.0 - a) * (1.0 - b)];
+                points.push((point, wa * wb * wc * (1.0 - a) * (1.0 - a) * (1.0 - b)));
             }
         }
     }
@@ -36,8 +37,8 @@ pub(crate) fn tetrahedron_125() -> Vec<(Point3, f64)> {
 /// Gauss-Legendre points of the cube, two along each axis, exact to degree 3 in each coordinate: the strain energy of
 /// the trilinear hexahedron.
 pub(crate) fn cube_8() -> Vec<(Point3, f64)> {
-    let near = 0.5 - (1.0f64 / 12.0).sqrt();
-    let line = [near, 1.0 - near];
+    let lower = 0.5 - (1.0f64 / 12.0).sqrt();
+    let line = [lower, 1.0 - lower];
     (0..8).map(|n| ([line[n % 2], line[n / 2 % 2], line[n / 4]], 0.125)).collect()
 }
 
@@ -45,46 +46,46 @@ pub(crate) fn cube_8() -> Vec<(Point3, f64)> {
 /// hexahedron that keeps its deviatoric part of full rank.
 pub(crate) fn cube_27() -> Vec<(Point3, f64)> {
     let line = line_3();
-    let at = |n: usize| [line[n % 3], line[n / 3 % 3], line[n / 9]];
-    (0..27).map(at).map(|points| (points.map(|(x, _)| x), points.iter().map(|(_, w)| w).product())).collect()
+    let tensor_point = |n: usize| [line[n % 3], line[n / 3 % 3], line[n / 9]];
+    (0..27).map(tensor_point).map(|points| (points.map(|(x, _)| x), points.iter().map(|(_, w)| w).product())).collect()
 }
 
 /// Gauss-Legendre points of the cube, five along each axis. For integrals evaluated once.
 pub(crate) fn cube_125() -> Vec<(Point3, f64)> {
     let line = line_5();
-    let at = |n: usize| [line[n % 5], line[n / 5 % 5], line[n / 25]];
-    (0..125).map(at).map(|points| (points.map(|(x, _)| x), points.iter().map(|(_, w)| w).product())).collect()
+    let tensor_point = |n: usize| [line[n % 5], line[n / 5 % 5], line[n / 25]];
+    (0..125).map(tensor_point).map(|points| (points.map(|(x, _)| x), points.iter().map(|(_, w)| w).product())).collect()
 }
 
 /// Three points of the triangle and two of the interval, exact to degree 2 in the plane and 3 across it.     [hammer1956]
 pub(crate) fn wedge_6() -> Vec<(Point3, f64)> {
-    let near = 0.5 - (1.0f64 / 12.0).sqrt();
-    prism(
-        &[[1.0 / 6.0; 2], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]].map(|at| (at, 1.0 / 6.0)),
-        &[near, 1.0 - near].map(|z| (z, 0.5)),
+    let lower = 0.5 - (1.0f64 / 12.0).sqrt();
+    prism_rule(
+        &[[1.0 / 6.0; 2], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]].map(|point| (point, 1.0 / 6.0)),
+        &[lower, 1.0 - lower].map(|z| (z, 0.5)),
     )
 }
 
 /// Seven points of the triangle and three of the interval, exact to degree 5.
 pub(crate) fn wedge_21() -> Vec<(Point3, f64)> {
-    prism(&triangle_7(), &line_3())
+    prism_rule(&triangle_7(), &line_3())
 }
 
 /// Gauss-Legendre points of a cube folded onto the wedge. For integrals evaluated once.
 pub(crate) fn wedge_125() -> Vec<(Point3, f64)> {
-    prism(&triangle_25(), &line_5())
+    prism_rule(&triangle_25(), &line_5())
 }
 
 /// A rule of the triangle times one of the interval.
-fn prism(plane: &[(Point2, f64)], across: &[(f64, f64)]) -> Vec<(Point3, f64)> {
-    plane.iter().flat_map(|&([x, y], wa)| across.iter().map(move |&(z, wb)| ([x, y, z], wa * wb))).collect()
+fn prism_rule(plane: &[(Point2, f64)], interval: &[(f64, f64)]) -> Vec<(Point3, f64)> {
+    plane.iter().flat_map(|&([x, y], wa)| interval.iter().map(move |&(z, wb)| ([x, y, z], wa * wb))).collect()
 }
 
 /// A rule with its last point repeated until there are `count`, of a share of its weight each.
-pub(crate) fn repeated(mut rule: Vec<(Point3, f64)>, count: usize) -> Vec<(Point3, f64)> {
-    if let Some((at, weight)) = rule.pop() {
+pub(crate) fn repeat_last(mut rule: Vec<(Point3, f64)>, count: usize) -> Vec<(Point3, f64)> {
+    if let Some((point, weight)) = rule.pop() {
         let shares = count - rule.len();
-        rule.extend(vec![(at, weight / shares as f64); shares]);
+        rule.extend(vec![(point, weight / shares as f64); shares]);
     }
     rule
 }
@@ -129,8 +130,8 @@ pub(crate) fn triangle_25() -> Vec<(Point2, f64)> {
 
 /// Three points and weights of Gauss and Legendre on (0, 1), exact to degree 5.
 fn line_3() -> [(f64, f64); 3] {
-    let off = 0.15f64.sqrt();
-    [(0.5 - off, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + off, 5.0 / 18.0)]
+    let offset = 0.15f64.sqrt();
+    [(0.5 - offset, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + offset, 5.0 / 18.0)]
 }
 
 /// Five points and weights of Gauss and Legendre on (0, 1), exact to degree 9.
@@ -184,7 +185,7 @@ mod tests {
 
     #[test]
     fn each_rule_of_the_wedge_is_exact_to_its_degree_and_repeating_a_point_keeps_its_integral() {
-        let whole = repeated(wedge_6(), 8);
+        let whole = repeat_last(wedge_6(), 8);
         assert_eq!(whole.len(), 8);
         for (rule, plane, across) in [(wedge_6(), 2, 3), (whole, 2, 3), (wedge_21(), 5, 5), (wedge_125(), 8, 9)] {
             let sum: f64 = rule.iter().map(|(x, w)| w * x[0] * x[1].powi(plane - 1) * x[2].powi(across)).sum();

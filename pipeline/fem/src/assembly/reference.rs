@@ -23,8 +23,8 @@
 //! with edges of 2.8 mm has 25.6 Gflop.
 
 use crate::assembly::quadrature::{
-    cube_8, cube_27, cube_125, line_5, repeated, square_25, tetrahedron_1, tetrahedron_4, tetrahedron_125, triangle_25,
-    wedge_6, wedge_21, wedge_125,
+    cube_8, cube_27, cube_125, line_5, repeat_last, square_25, tetrahedron_1, tetrahedron_4, tetrahedron_125,
+    triangle_25, wedge_6, wedge_21, wedge_125,
 };
 use crate::assembly::shape_functions::{element, face, is_triangle, is_wedge, triangle_in_face, wedge};
 use crate::mesh::Mesh;
@@ -61,24 +61,24 @@ pub(crate) type Shapes = Vec<(Vec<(f64, Point3)>, f64)>;
 type Shares = Vec<[f64; 2]>;
 
 /// Points and weights of an element with so many nodes, and the shares of the μ and λ parts at each.
-fn rule(nodes: usize, shear_share: f64) -> (Rule, Shares) {
+fn element_rule(nodes: usize, shear_share: f64) -> (Rule, Shares) {
     match nodes {
-        4 => whole(tetrahedron_1()),
-        8 => whole(cube_8()),
-        20 => shared([cube_27(), cube_8()], shear_share),
-        _ => whole(tetrahedron_4()),
+        4 => full_shares(tetrahedron_1()),
+        8 => full_shares(cube_8()),
+        20 => split_shares([cube_27(), cube_8()], shear_share),
+        _ => full_shares(tetrahedron_4()),
     }
 }
 
-fn whole(points: Rule) -> (Rule, Shares) {
+fn full_shares(points: Rule) -> (Rule, Shares) {
     let shares = vec![[1.0; 2]; points.len()];
     (points, shares)
 }
 
 /// The share of the μ part at the points of a finer rule, the rest and the λ part at those of a coarser one.
-fn shared([fine, coarse]: [Rule; 2], share: f64) -> (Rule, Shares) {
+fn split_shares([fine, coarse]: [Rule; 2], share: f64) -> (Rule, Shares) {
     if share == 0.0 {
-        return whole(coarse);
+        return full_shares(coarse);
     }
     let shares = [vec![[share, 0.0]; fine.len()], vec![[1.0 - share, 1.0]; coarse.len()]].concat();
     ([fine, coarse].concat(), shares)
@@ -87,7 +87,7 @@ fn shared([fine, coarse]: [Rule; 2], share: f64) -> (Rule, Shares) {
 /// The rule of a wedge among 20-node hexahedra: as many points as theirs, so that every element has as many.
 // Repeated points cost time and no accuracy; wedges are a few per cent of a mesh.
 fn wedge_rule(shear_share: f64) -> Rule {
-    shared([repeated(wedge_21(), 27), repeated(wedge_6(), 8)], shear_share).0
+    split_shares([repeat_last(wedge_21(), 27), repeat_last(wedge_6(), 8)], shear_share).0
 }
 
 impl ReferenceElements {
@@ -95,9 +95,9 @@ impl ReferenceElements {
     /// negative.
     pub fn new(mesh: &Mesh, shear_share: f64) -> Self {
         let nodes = mesh.elements.nodes_each();
-        let (rule, shares) = rule(nodes, shear_share);
+        let (rule, shares) = element_rule(nodes, shear_share);
         let points = rule.len();
-        let [elements, wedges] = ElementShapes { elements: rule, wedges: wedge_rule(shear_share) }.at(nodes);
+        let [elements, wedges] = ElementShapes { elements: rule, wedges: wedge_rule(shear_share) }.of_elements(nodes);
         let count = mesh.elements.len();
         let mut reference = Self {
             points,
@@ -150,7 +150,7 @@ struct ElementShapes {
 
 impl ElementShapes {
     /// The shape functions of elements with so many nodes, and of wedges.
-    fn at(self, nodes: usize) -> [Shapes; 2] {
+    fn of_elements(self, nodes: usize) -> [Shapes; 2] {
         let elements = self.elements.into_iter().map(|(at, weight)| (element(nodes, at), weight)).collect();
         [elements, self.wedges.into_iter().map(|(at, weight)| (wedge(at), weight)).collect()]
     }
@@ -174,19 +174,19 @@ pub(crate) fn shape_products(mesh: &Mesh, element: usize, [elements, wedges]: &[
 /// The quadrature of [`shape_products`]: products of two quadratic functions on a curved element.
 pub(crate) fn shape_product_rule(nodes: usize) -> [Shapes; 2] {
     let elements = if matches!(nodes, 8 | 20) { cube_125() } else { tetrahedron_125() };
-    ElementShapes { elements, wedges: wedge_125() }.at(nodes)
+    ElementShapes { elements, wedges: wedge_125() }.of_elements(nodes)
 }
 
 /// ∫ N_a N_b dA of one face at rest, m², row by row: 3 × 3, 4 × 4, 6 × 6 or 8 × 8.
 pub(crate) fn face_shape_products(mesh: &Mesh, nodes: &[u32]) -> Vec<f64> {
     let mut products = vec![0.0; nodes.len() * nodes.len()];
     let square = matches!(nodes.len(), 4 | 8) && !is_triangle(nodes);
-    for (at, weight) in if square { square_25() } else { triangle_25() } {
-        let shape = if is_triangle(nodes) { triangle_in_face(at) } else { face(nodes.len(), at) };
-        let along = |k: usize| -> Vector3<f64> {
-            nodes.iter().zip(&shape).map(|(&node, (_, derivative))| position(mesh, node) * derivative[k]).sum()
+    for (point, weight) in if square { square_25() } else { triangle_25() } {
+        let shape = if is_triangle(nodes) { triangle_in_face(point) } else { face(nodes.len(), point) };
+        let tangent_vector = |k: usize| -> Vector3<f64> {
+            nodes.iter().zip(&shape).map(|(&node, (_, derivative))| rest_position(mesh, node) * derivative[k]).sum()
         };
-        let area = weight * along(0).cross(&along(1)).norm();
+        let area = weight * tangent_vector(0).cross(&tangent_vector(1)).norm();
         for (a, (left, _)) in shape.iter().enumerate() {
             for (b, (right, _)) in shape.iter().enumerate() {
                 products[a * nodes.len() + b] += area * left * right;
@@ -211,14 +211,14 @@ pub(crate) fn edge_integrals(mesh: &Mesh, edge: &[u32]) -> Vec<f64> {
             let values = vec![(1.0 - t) * (1.0 - 2.0 * t), t * (2.0 * t - 1.0), 4.0 * t * (1.0 - t)];
             (values, vec![4.0 * t - 3.0, 4.0 * t - 1.0, 4.0 - 8.0 * t])
         };
-        let along: Vector3<f64> =
-            edge.iter().zip(&derivatives).map(|(&node, derivative)| position(mesh, node) * *derivative).sum();
-        integrals.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * along.norm() * value);
+        let tangent_vector: Vector3<f64> =
+            edge.iter().zip(&derivatives).map(|(&node, derivative)| rest_position(mesh, node) * *derivative).sum();
+        integrals.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * tangent_vector.norm() * value);
     }
     integrals
 }
 
-fn position(mesh: &Mesh, node: u32) -> Vector3<f64> {
+fn rest_position(mesh: &Mesh, node: u32) -> Vector3<f64> {
     Vector3::from(mesh.nodes[node as usize])
 }
 

@@ -25,7 +25,7 @@ impl NodalRotations {
         let (then, now) = (nodal_gradients(body, from), nodal_gradients(body, to));
         let nodes = then.iter().zip(&now).zip(&body.pattern.dof).map(|((then, now), dof)| {
             match (polar_rotation(then), polar_rotation(now)) {
-                (Some(then), Some(now)) => admissible(now * then.transpose(), dof),
+                (Some(then), Some(now)) => admissible_rotation(now * then.transpose(), dof),
                 _ => Matrix3::identity(),
             }
         });
@@ -58,7 +58,7 @@ fn nodal_gradients(body: &Body, u: &[f64]) -> Vec<Matrix3<f64>> {
 }
 
 /// The part of a rotation that respects the constraints: all of it, a rotation about the one constrained axis, or none.
-fn admissible(rotation: Matrix3<f64>, dof: &[u32; 3]) -> Matrix3<f64> {
+fn admissible_rotation(rotation: Matrix3<f64>, dof: &[u32; 3]) -> Matrix3<f64> {
     match dof.map(|at| at == CONSTRAINED) {
         [false, false, false] => rotation,
         [false, false, true] => about_axis(rotation, 0, 1),
@@ -88,8 +88,8 @@ mod tests {
     #[test]
     fn a_rotation_in_a_plane_is_admissible_when_its_axis_is_constrained() {
         let rotation = Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), 0.7).into_inner();
-        assert!((admissible(rotation, &[4, 5, CONSTRAINED]) - rotation).norm() < 1e-15);
-        assert_eq!(admissible(rotation, &[4, CONSTRAINED, CONSTRAINED]), Matrix3::identity());
+        assert!((admissible_rotation(rotation, &[4, 5, CONSTRAINED]) - rotation).norm() < 1e-15);
+        assert_eq!(admissible_rotation(rotation, &[4, CONSTRAINED, CONSTRAINED]), Matrix3::identity());
     }
 
     #[test]

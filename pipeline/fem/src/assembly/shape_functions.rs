@@ -19,14 +19,14 @@ pub(crate) const SIDES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 pub(crate) fn tetrahedron(nodes: usize, at: Point3) -> Vec<(f64, Point3)> {
     let barycentric = [1.0 - at[0] - at[1] - at[2], at[0], at[1], at[2]];
     let derivative = [[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    shapes(nodes == 10, &barycentric, &derivative, &EDGES)
+    simplex_shapes(nodes == 10, &barycentric, &derivative, &EDGES)
 }
 
 /// Value and derivative by (ξ, η) of each shape function of a triangle with 3 or 6 `nodes`.
 pub(crate) fn triangle(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
     let barycentric = [1.0 - at[0] - at[1], at[0], at[1]];
     let derivative = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
-    shapes(nodes == 6, &barycentric, &derivative, &SIDES)
+    simplex_shapes(nodes == 6, &barycentric, &derivative, &SIDES)
 }
 
 /// Corners of the reference cube and square in the order of their nodes.
@@ -51,7 +51,7 @@ pub(crate) const QUADRILATERAL_SIDES: [(usize, usize); 4] = [(0, 1), (1, 2), (2,
 /// Value and derivative by (ξ, η, ζ) of each shape function of the element with 4, 8, 10 or 20 `nodes`.
 pub(crate) fn element(nodes: usize, at: Point3) -> Vec<(f64, Point3)> {
     match nodes {
-        8 => products(&CORNERS, at),
+        8 => linear_products(&CORNERS, at),
         20 => serendipity(&CORNERS, &CUBE_EDGES, at),
         _ => tetrahedron(nodes, at),
     }
@@ -81,14 +81,14 @@ pub(crate) fn wedge(at: Point3) -> Vec<(f64, Point3)> {
         (value * factor, [by_xi * factor, by_eta * factor, value * slope])
     };
     let ends = [(1.0 - at[2], -1.0), (at[2], 1.0)];
-    let between = (4.0 * at[2] * (1.0 - at[2]), 4.0 - 8.0 * at[2]);
+    let lateral_function = (4.0 * at[2] * (1.0 - at[2]), 4.0 - 8.0 * at[2]);
     for (end, along) in ends.into_iter().enumerate() {
         for n in 0..3 {
             shapes[4 * end + n] = times(corner[n], along);
             shapes[8 + 4 * end + [0, 1, 3][n]] = times(plane[3 + n], along);
         }
     }
-    (0..3).for_each(|n| shapes[16 + n] = times(corner[n], between));
+    (0..3).for_each(|n| shapes[16 + n] = times(corner[n], lateral_function));
     for (edge, &(from, to)) in CUBE_EDGES.iter().enumerate() {
         // zero on the edges that have shrunk
         let middle = shapes[8 + edge];
@@ -112,7 +112,7 @@ pub(crate) fn triangle_in_face(at: Point2) -> Vec<(f64, Point2)> {
 pub(crate) fn face(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
     let corners: [Point2; 4] = std::array::from_fn(|n| [CORNERS[n][0], CORNERS[n][1]]);
     match nodes {
-        4 => products(&corners, at),
+        4 => linear_products(&corners, at),
         8 => serendipity(&corners, &QUADRILATERAL_SIDES, at),
         _ => triangle(nodes, at),
     }
@@ -121,18 +121,19 @@ pub(crate) fn face(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
 /// The serendipity functions of second order on the unit square or cube: at the middle of an edge 4 ξ (1 − ξ) along
 /// it times the linear functions across it; at a corner the linear function less half of those of the edges that meet there.
 fn serendipity<const D: usize>(corners: &[[f64; D]], edges: &[(usize, usize)], at: [f64; D]) -> Vec<(f64, [f64; D])> {
-    let mut shapes = products(corners, at);
+    let mut shapes = linear_products(corners, at);
     for &(from, to) in edges {
-        let along = (0..D).find(|&axis| corners[from][axis] != corners[to][axis]).unwrap_or(0);
-        let (x, linear) = (at[along], |axis: usize| if corners[from][axis] == 1.0 { at[axis] } else { 1.0 - at[axis] });
+        let edge_axis = (0..D).find(|&axis| corners[from][axis] != corners[to][axis]).unwrap_or(0);
+        let (x, linear) =
+            (at[edge_axis], |axis: usize| if corners[from][axis] == 1.0 { at[axis] } else { 1.0 - at[axis] });
         let slope = |axis: usize| if corners[from][axis] == 1.0 { 1.0 } else { -1.0 };
-        let across =
-            |skipped: usize| (0..D).filter(|&axis| axis != along && axis != skipped).map(linear).product::<f64>();
-        let derivative = std::array::from_fn(|axis| match axis == along {
-            true => 4.0 * (1.0 - 2.0 * x) * across(D),
-            false => 4.0 * x * (1.0 - x) * slope(axis) * across(axis),
+        let linear_across =
+            |skipped: usize| (0..D).filter(|&axis| axis != edge_axis && axis != skipped).map(linear).product::<f64>();
+        let derivative = std::array::from_fn(|axis| match axis == edge_axis {
+            true => 4.0 * (1.0 - 2.0 * x) * linear_across(D),
+            false => 4.0 * x * (1.0 - x) * slope(axis) * linear_across(axis),
         });
-        let middle: (f64, [f64; D]) = (4.0 * x * (1.0 - x) * across(D), derivative);
+        let middle: (f64, [f64; D]) = (4.0 * x * (1.0 - x) * linear_across(D), derivative);
         for corner in [from, to] {
             shapes[corner].0 -= 0.5 * middle.0;
             (0..D).for_each(|axis| shapes[corner].1[axis] -= 0.5 * middle.1[axis]);
@@ -143,18 +144,18 @@ fn serendipity<const D: usize>(corners: &[[f64; D]], edges: &[(usize, usize)], a
 }
 
 /// Π (ξ or 1 − ξ) over the axes: 1 at its own corner, 0 at the others.
-fn products<const D: usize>(corners: &[[f64; D]], at: [f64; D]) -> Vec<(f64, [f64; D])> {
+fn linear_products<const D: usize>(corners: &[[f64; D]], at: [f64; D]) -> Vec<(f64, [f64; D])> {
     let shape = |corner: &[f64; D]| {
         let factor: [f64; D] = std::array::from_fn(|k| if corner[k] == 1.0 { at[k] } else { 1.0 - at[k] });
         let slope = |k: usize| if corner[k] == 1.0 { 1.0 } else { -1.0 };
-        let others = |k: usize| (0..D).filter(|&other| other != k).map(|other| factor[other]).product::<f64>();
-        (factor.iter().product(), std::array::from_fn(|k| slope(k) * others(k)))
+        let other_factors = |k: usize| (0..D).filter(|&other| other != k).map(|other| factor[other]).product::<f64>();
+        (factor.iter().product(), std::array::from_fn(|k| slope(k) * other_factors(k)))
     };
     corners.iter().map(shape).collect()
 }
 
 /// Linear: L_i. Quadratic: L_i (2 L_i − 1) at corners, 4 L_i L_j at mid-edge node ij.
-fn shapes<const D: usize>(
+fn simplex_shapes<const D: usize>(
     quadratic: bool,
     barycentric: &[f64],
     derivative: &[[f64; D]],

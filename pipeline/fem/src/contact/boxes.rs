@@ -25,7 +25,7 @@ impl ClosePair {
     }
 
     /// The map from the displacement of the second face's nodes to that of its image.
-    pub(crate) fn mirror(&self) -> Matrix3<f64> {
+    pub(crate) fn mirror_map(&self) -> Matrix3<f64> {
         Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, if self.mirrored { -1.0 } else { 1.0 }))
     }
 }
@@ -38,8 +38,8 @@ impl Box3 {
     }
 
     /// The same with every side moved outwards.
-    pub(crate) fn widened(&self, by: Metre) -> Self {
-        Self { low: self.low.add_scalar(-by), high: self.high.add_scalar(by) }
+    pub(crate) fn widened(&self, margin: Metre) -> Self {
+        Self { low: self.low.add_scalar(-margin), high: self.high.add_scalar(margin) }
     }
 
     /// Whether a point lies inside.
@@ -49,11 +49,11 @@ impl Box3 {
 
     /// Distance to another box, m; 0 where they overlap.
     pub(crate) fn distance(&self, other: &Self) -> Metre {
-        let apart = (self.low - other.high).sup(&(other.low - self.high));
-        apart.map(|gap| gap.max(0.0)).norm()
+        let gaps = (self.low - other.high).sup(&(other.low - self.high));
+        gaps.map(|gap| gap.max(0.0)).norm()
     }
 
-    fn mirrored(&self) -> Self {
+    fn mirror_image(&self) -> Self {
         let [mut low, mut high] = [self.low, self.high];
         (low.z, high.z) = (-self.high.z, -self.low.z);
         Self { low, high }
@@ -65,16 +65,20 @@ pub(crate) fn close_pairs(boxes: &[Box3], reach: Metre, half: bool) -> Vec<Close
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     order.sort_by(|a, b| boxes[*a as usize].low.x.total_cmp(&boxes[*b as usize].low.x));
     let mut pairs = Vec::new();
-    for (at, &first) in order.iter().enumerate() {
-        let one = &boxes[first as usize];
-        let behind = order[at + 1..].iter().take_while(|next| boxes[**next as usize].low.x < one.high.x + reach);
+    for (index, &first) in order.iter().enumerate() {
+        let first_box = &boxes[first as usize];
+        let behind =
+            order[index + 1..].iter().take_while(|next| boxes[**next as usize].low.x < first_box.high.x + reach);
         for &second in behind {
-            let other = &boxes[second as usize];
+            let second_box = &boxes[second as usize];
             let (a, b) = (first.min(second), first.max(second));
-            if one.distance(other) < reach {
+            if first_box.distance(second_box) < reach {
                 pairs.push(ClosePair { a, b, mirrored: false });
             }
-            if half && one.low.z + other.low.z < reach && one.distance(&other.mirrored()) < reach {
+            if half
+                && first_box.low.z + second_box.low.z < reach
+                && first_box.distance(&second_box.mirror_image()) < reach
+            {
                 pairs.push(ClosePair { a, b, mirrored: true });
             }
         }
@@ -101,7 +105,7 @@ mod tests {
             let mut all = Vec::new();
             for (a, b) in (0..40).flat_map(|b| (0..b).map(move |a| (a, b))) {
                 let [one, other] = [a, b].map(|n: u32| &boxes[n as usize]);
-                let images = [(false, *other), (true, other.mirrored())];
+                let images = [(false, *other), (true, other.mirror_image())];
                 let near =
                     images.into_iter().filter(|(mirrored, image)| (half || !mirrored) && one.distance(image) < reach);
                 all.extend(near.map(|(mirrored, _)| ClosePair { a, b, mirrored }));

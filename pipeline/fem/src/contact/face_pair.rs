@@ -25,15 +25,15 @@ impl FacePair<'_> {
         let [a, b] = self.samples;
         let extent = b.bounds.high - b.bounds.low;
         let axis = extent.imax();
-        let mut others = near(b, a, range);
-        others.sort_by(|(_, x), (_, y)| x[axis].total_cmp(&y[axis]));
-        for (i, x) in near(a, b, range).into_iter().filter(|_| !others.is_empty()) {
-            let first = others.partition_point(|(_, y)| y[axis] < x[axis] - range);
-            for &(j, y) in others[first..].iter().take_while(|(_, y)| y[axis] < x[axis] + range) {
-                let apart = x - y;
-                let squared = apart.norm_squared();
+        let mut candidates = samples_near(b, a, range);
+        candidates.sort_by(|(_, x), (_, y)| x[axis].total_cmp(&y[axis]));
+        for (i, x) in samples_near(a, b, range).into_iter().filter(|_| !candidates.is_empty()) {
+            let first = candidates.partition_point(|(_, y)| y[axis] < x[axis] - range);
+            for &(j, y) in candidates[first..].iter().take_while(|(_, y)| y[axis] < x[axis] + range) {
+                let difference = x - y;
+                let squared = difference.norm_squared();
                 if squared < range * range {
-                    visit(i, j, apart, squared.sqrt());
+                    visit(i, j, difference, squared.sqrt());
                 }
             }
         }
@@ -41,9 +41,9 @@ impl FacePair<'_> {
 }
 
 /// The samples of one face that may be closer than `range` to one of the other, with their indices.
-fn near(of: &Samples, other: &Samples, range: Metre) -> Vec<(usize, Vector3<f64>)> {
+fn samples_near(samples: &Samples, other: &Samples, range: Metre) -> Vec<(usize, Vector3<f64>)> {
     let bounds = other.bounds.widened(range);
-    of.positions.iter().copied().enumerate().filter(|(_, x)| bounds.contains(x)).collect()
+    samples.positions.iter().copied().enumerate().filter(|(_, x)| bounds.contains(x)).collect()
 }
 
 /// One 3 × 3 block for each pair of nodes.
@@ -59,31 +59,36 @@ pub(crate) struct Blocks {
 impl Blocks {
     /// `scale` times the second derivative of the law's sum over the samples of two faces; of its `convex` part alone where that is meant.
     // Sums over the samples of the other face come first: each pair then costs one block and six products, not 78 of them.
-    pub(crate) fn of(faces: &FacePair, surface: &Surface, law: &RepulsiveLaw, (scale, convex): (f64, bool)) -> Self {
+    pub(crate) fn of_faces(
+        faces: &FacePair,
+        surface: &Surface,
+        law: &RepulsiveLaw,
+        (scale, convex): (f64, bool),
+    ) -> Self {
         let [first, second] = faces.pair.faces().map(|(face, _)| surface.shapes(face));
         let mut sums = faces.samples.map(|samples| vec![Matrix3::zeros(); samples.positions.len()]);
         let mut mixed = vec![[Matrix3::zeros(); NODES]; first.len()];
-        faces.for_each_point_pair(law.range, |i, j, apart, distance| {
-            let hessian = law.hessian(&apart, distance, convex) * scale;
+        faces.for_each_point_pair(law.range, |i, j, difference, distance| {
+            let hessian = law.hessian(&difference, distance, convex) * scale;
             sums[0][i] += hessian;
             sums[1][j] += hessian;
             mixed[i].iter_mut().zip(&second[j]).for_each(|(sum, shape)| *sum += hessian * *shape);
         });
-        let mirror = faces.pair.mirror();
-        let mut own = [own(first, &sums[0]), own(second, &sums[1])];
-        own[1].iter_mut().flatten().for_each(|block| *block = mirror * *block * mirror);
-        let mut between = NodeBlocks::default();
+        let mirror = faces.pair.mirror_map();
+        let mut own_blocks = [face_blocks(first, &sums[0]), face_blocks(second, &sums[1])];
+        own_blocks[1].iter_mut().flatten().for_each(|block| *block = mirror * *block * mirror);
+        let mut mixed_blocks = NodeBlocks::default();
         for (shape, mixed) in first.iter().zip(&mixed) {
-            for (a, row) in between.iter_mut().enumerate() {
+            for (a, row) in mixed_blocks.iter_mut().enumerate() {
                 row.iter_mut().zip(mixed).for_each(|(block, sum)| *block -= sum * mirror * shape[a]);
             }
         }
-        Self { own, between }
+        Self { own: own_blocks, between: mixed_blocks }
     }
 }
 
 /// Σ N_a N_b H over the samples of one face, a ≥ b.
-fn own(shapes: &[[f64; NODES]], sums: &[Matrix3<f64>]) -> NodeBlocks {
+fn face_blocks(shapes: &[[f64; NODES]], sums: &[Matrix3<f64>]) -> NodeBlocks {
     let mut blocks = NodeBlocks::default();
     for (shape, sum) in shapes.iter().zip(sums) {
         for (a, row) in blocks.iter_mut().enumerate() {

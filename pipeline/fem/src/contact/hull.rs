@@ -17,13 +17,13 @@ pub(crate) fn stay_apart(hulls: &[[Hull; 2]; 2]) -> bool {
         let now = gap_along(before, &axis);
         now > 0.0 && gap_along(after, &axis) >= (1.0 - APPROACH) * now
     };
-    axes(before).into_iter().any(keeps)
+    separating_axes(before).into_iter().any(keeps)
 }
 
 /// A lower bound of the distance of two hulls, m: their largest gap along one of the axes; negative where none separates them.
-pub(crate) fn gap(hulls: &[Hull; 2]) -> Metre {
-    let along = |axis: Vector3<f64>| gap_along(hulls, &axis) / axis.norm();
-    axes(hulls).into_iter().map(along).fold(f64::NEG_INFINITY, f64::max)
+pub(crate) fn hull_gap(hulls: &[Hull; 2]) -> Metre {
+    let gap_on_axis = |axis: Vector3<f64>| gap_along(hulls, &axis) / axis.norm();
+    separating_axes(hulls).into_iter().map(gap_on_axis).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// An upper bound of the motion of a point of one face relative to one of the other, m.
@@ -34,7 +34,7 @@ pub(crate) fn relative_motion([before, after]: &[[Hull; 2]; 2]) -> Metre {
 }
 
 /// The direction from one middle to the other, and the normals of both faces either way.
-fn axes([a, b]: &[Hull; 2]) -> [Vector3<f64>; 5] {
+fn separating_axes([a, b]: &[Hull; 2]) -> [Vector3<f64>; 5] {
     let normal = |hull: &Hull| (hull[1] - hull[0]).cross(&(hull[2] - hull[0]));
     let middle = |hull: &Hull| hull.iter().sum::<Vector3<f64>>() / hull.len() as f64;
     [middle(b) - middle(a), normal(a), normal(b), -normal(a), -normal(b)]
@@ -62,7 +62,7 @@ mod tests {
         assert!(apart(0.9, 0.0) && apart(0.21, 0.0) && !apart(0.19, 0.0) && !apart(-1.0, 0.0));
         // sideways and turned, yet on its side
         assert!(apart(0.7, 0.5));
-        let gaps = [gap(&from), gap(&[triangle(0.0, 0.0), triangle(0.5, 1.0)])];
+        let gaps = [hull_gap(&from), hull_gap(&[triangle(0.0, 0.0), triangle(0.5, 1.0)])];
         assert!((gaps[0] - 1.0).abs() < 1e-12 && (gaps[1] - 0.5).abs() < 1e-12, "{gaps:?}");
         assert!((relative_motion(&[from.clone(), [triangle(0.3, 0.0), triangle(0.8, 0.0)]]) - 0.5).abs() < 1e-12);
         // no plane lies between two that cross

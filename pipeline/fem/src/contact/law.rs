@@ -37,12 +37,12 @@ impl RepulsiveLaw {
         6.0 * self.stiffness * (c / r - 1.0) * c / r.powi(3) * (2.0 * c / r - 1.0)
     }
 
-    /// Second derivative by one of two points `apart` (m): ψ″ n nᵀ + ψ′/r (I − n nᵀ); of the convex part, the first term alone.
-    pub(crate) fn hessian(&self, apart: &Vector3<f64>, distance: Metre, convex: bool) -> Matrix3<f64> {
-        let normal = apart / distance;
-        let along = normal * normal.transpose();
-        let across = if convex { 0.0 } else { self.slope(distance) / distance };
-        along * (self.curvature(distance) - across) + Matrix3::identity() * across
+    /// Second derivative by one of two points of this `difference` (m): ψ″ n nᵀ + ψ′/r (I − n nᵀ); of the convex part, the first term alone.
+    pub(crate) fn hessian(&self, difference: &Vector3<f64>, distance: Metre, convex: bool) -> Matrix3<f64> {
+        let normal = difference / distance;
+        let normal_part = normal * normal.transpose();
+        let tangential_part = if convex { 0.0 } else { self.slope(distance) / distance };
+        normal_part * (self.curvature(distance) - tangential_part) + Matrix3::identity() * tangential_part
     }
 }
 

@@ -65,13 +65,14 @@ impl SelfContact {
         let surface = Surface::new(mesh, SPACING * contact.range);
         let law = RepulsiveLaw::new(contact.range, contact.pressure);
         let mut new = Self { law, surface, excluded: BTreeSet::new(), half: mesh.symmetry_plane_z };
-        let rest = vec![0.0; 3 * mesh.nodes.len()];
-        new.excluded = new.close(&new.surface.boxes(&rest), APART * contact.range).into_iter().collect();
+        let undisplaced = vec![0.0; 3 * mesh.nodes.len()];
+        new.excluded =
+            new.close_face_pairs(&new.surface.boxes(&undisplaced), APART * contact.range).into_iter().collect();
         new
     }
 
     /// Pairs of faces whose boxes are closer than `reach` and that repel each other.
-    fn close(&self, boxes: &[Box3], reach: Metre) -> Vec<ClosePair> {
+    fn close_face_pairs(&self, boxes: &[Box3], reach: Metre) -> Vec<ClosePair> {
         let mut pairs = close_pairs(boxes, reach, self.half);
         pairs.retain(|pair| !self.excluded.contains(pair));
         pairs
@@ -84,8 +85,8 @@ impl SelfContact {
 
     /// Calls `visit` with the faces that may be within `reach` of each other at `u`.
     fn for_each_face_pair(&self, u: &[f64], reach: Metre, mut visit: impl FnMut(&FacePair)) {
-        let mut pairs = self.close(&self.surface.boxes(u), reach);
-        pairs.retain(|pair| hull::gap(&self.hulls(pair, u)) < reach);
+        let mut pairs = self.close_face_pairs(&self.surface.boxes(u), reach);
+        pairs.retain(|pair| hull::hull_gap(&self.face_hulls(pair, u)) < reach);
         let mut samples: BTreeMap<(u32, bool), Samples> = BTreeMap::new();
         for pair in &pairs {
             for (face, mirrored) in pair.faces() {
@@ -99,7 +100,7 @@ impl SelfContact {
     }
 
     /// The hulls of two faces at `u`.
-    fn hulls(&self, pair: &ClosePair, u: &[f64]) -> [Hull; 2] {
+    fn face_hulls(&self, pair: &ClosePair, u: &[f64]) -> [Hull; 2] {
         pair.faces().map(|(face, mirrored)| self.surface.hull(face, u, mirrored))
     }
 
@@ -108,7 +109,7 @@ impl SelfContact {
         let mut total = 0.0;
         self.for_each_face_pair(u, self.law.range, |faces| {
             let mut forces = faces.samples.map(|samples| vec![Vector3::zeros(); samples.positions.len()]);
-            let area = strength * self.area(faces);
+            let area = strength * self.sample_area_product(faces);
             faces.for_each_point_pair(self.law.range, |i, j, apart, distance| {
                 total += area * self.law.value(distance);
                 let force = apart * (area * self.law.slope(distance) / distance);
@@ -130,7 +131,7 @@ impl SelfContact {
     }
 
     /// Product of the areas of two samples, m⁴.
-    fn area(&self, faces: &FacePair) -> f64 {
+    fn sample_area_product(&self, faces: &FacePair) -> f64 {
         faces.pair.faces().map(|(face, _)| self.surface.sample_area(face)).into_iter().product()
     }
 
@@ -149,15 +150,15 @@ impl SelfContact {
                 return;
             }
             let nodes = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
-            let between = nodes[0].iter().all(|a| nodes[1].iter().all(|b| coupled(*a, *b)));
-            let scale = if between { strength } else { 2.0 * strength } * self.area(faces);
-            let blocks = Blocks::of(faces, &self.surface, &self.law, (scale, convex || !between));
+            let is_coupled = nodes[0].iter().all(|a| nodes[1].iter().all(|b| coupled(*a, *b)));
+            let scale = if is_coupled { strength } else { 2.0 * strength } * self.sample_area_product(faces);
+            let blocks = Blocks::of_faces(faces, &self.surface, &self.law, (scale, convex || !is_coupled));
             for (side, nodes) in nodes.iter().enumerate() {
                 for (a, &node) in nodes.iter().enumerate() {
                     nodes[..=a].iter().enumerate().for_each(|(b, &other)| add(node, other, &blocks.own[side][a][b]));
                 }
             }
-            for (a, &node) in nodes[0].iter().enumerate().filter(|_| between) {
+            for (a, &node) in nodes[0].iter().enumerate().filter(|_| is_coupled) {
                 for (b, &other) in nodes[1].iter().enumerate() {
                     let block = blocks.between[a][b];
                     // a wall that meets its own mirror image
@@ -170,29 +171,29 @@ impl SelfContact {
 
     /// Pairs of nodes that the tangent couples at `u`, with a `margin` (m) for what walls will move.
     pub(crate) fn couplings(&self, u: &[f64], margin: Metre) -> BTreeSet<(u32, u32)> {
-        let (mut found, reach) = (BTreeSet::new(), self.law.range + margin);
+        let (mut node_pairs, reach) = (BTreeSet::new(), self.law.range + margin);
         self.for_each_face_pair(u, reach, |faces| {
             let [first, second] = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
             let each = first.iter().flat_map(|&a| second.iter().map(move |&b| (a.min(b), a.max(b))));
-            let near = faces.touch(reach);
-            found.extend(each.filter(|(a, b)| near && a != b));
+            let is_near = faces.touch(reach);
+            node_pairs.extend(each.filter(|(a, b)| is_near && a != b));
         });
-        found
+        node_pairs
     }
 
     /// The largest part of `step` (3 entries per node, m) from `u`, at most 1, by which no wall passes through another.
     pub(crate) fn admissible_part(&self, u: &[f64], step: &[f64]) -> f64 {
         let mut part: f64 = 1.0;
-        let moved: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + step).collect();
-        let largest = step.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+        let end: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + step).collect();
+        let largest = step.iter().fold(0.0, |greatest: f64, entry| greatest.max(entry.abs()));
         let reach = (4.0 * largest).min(REACH * self.law.range);
-        for pair in self.close(&self.surface.boxes(u), reach) {
-            let hulls = [u, &moved].map(|at| self.hulls(&pair, at));
+        for pair in self.close_face_pairs(&self.surface.boxes(u), reach) {
+            let hulls = [u, &end].map(|at| self.face_hulls(&pair, at));
             if !hull::stay_apart(&hulls) {
                 // points farther apart than this allow the part that others have left
                 let reach = part * hull::relative_motion(&hulls) / APPROACH;
-                if hull::gap(&hulls[0]) < reach {
-                    part = part.min(self.admissible_part_of_points(&pair, [u, &moved], reach));
+                if hull::hull_gap(&hulls[0]) < reach {
+                    part = part.min(self.admissible_part_of_points(&pair, [u, &end], reach));
                 }
             }
         }

@@ -39,20 +39,23 @@ impl Surface {
     /// Of the chambers of `mesh`, with samples at most `spacing` apart along edges.
     pub(crate) fn new(mesh: &Mesh, spacing: Metre) -> Self {
         let faces = all_faces(mesh);
-        let rest: Arc<[Vector3<f64>]> = mesh.nodes.iter().map(|&node| Vector3::from(node)).collect();
+        let rest_positions: Arc<[Vector3<f64>]> = mesh.nodes.iter().map(|&node| Vector3::from(node)).collect();
         let (mut tables, mut shapes, mut areas) = (BTreeMap::new(), Vec::new(), Vec::new());
         for face in 0..faces.len() {
             let nodes = faces.nodes(face);
-            let corners: Vec<Vector3<f64>> = corners(nodes).iter().map(|&corner| rest[corner as usize]).collect();
+            let corners: Vec<Vector3<f64>> =
+                face_corners(nodes).iter().map(|&corner| rest_positions[corner as usize]).collect();
             let sides = corners.iter().zip(corners.iter().cycle().skip(1));
             let longest = sides.map(|(from, to)| (to - from).norm()).fold(0.0, f64::max);
             // a square has one sample where it would have two as triangles: it is cut finer, so that areas have as many
             let density = if corners.len() == 4 { std::f64::consts::SQRT_2 } else { 1.0 };
             let pieces = (density * longest / spacing).ceil().max(1.0) as usize;
-            shapes.push(Arc::clone(tables.entry((pieces, corners.len())).or_insert_with(|| sampled(nodes, pieces))));
-            areas.push(area(&corners) / (pieces * pieces) as f64);
+            shapes.push(Arc::clone(
+                tables.entry((pieces, corners.len())).or_insert_with(|| sampled_shapes(nodes, pieces)),
+            ));
+            areas.push(corner_area(&corners) / (pieces * pieces) as f64);
         }
-        Self { faces, rest, shapes, areas }
+        Self { faces, rest: rest_positions, shapes, areas }
     }
 
     /// Node numbers of a face, 3, 6 or 8.
@@ -72,7 +75,7 @@ impl Surface {
 
     /// The samples of a face at displacement `u`, or their mirror images in z = 0.
     pub(crate) fn samples(&self, face: u32, u: &[f64], mirrored: bool) -> Samples {
-        let nodes = self.nodes(face).iter().map(|&node| mirror(self.position(node, u), mirrored));
+        let nodes = self.nodes(face).iter().map(|&node| mirror_point(self.node_position(node, u), mirrored));
         let nodes: Vec<Vector3<f64>> = nodes.collect();
         let sample = |shape: &[f64; NODES]| nodes.iter().zip(shape).map(|(x, value)| x * *value).sum();
         let positions: Vec<Vector3<f64>> = self.shapes(face).iter().map(sample).collect();
@@ -87,8 +90,8 @@ impl Surface {
     /// Control points of a face at displacement `u`, or their mirror images: the face lies inside their convex hull.
     pub(crate) fn hull(&self, face: u32, u: &[f64], mirrored: bool) -> Hull {
         let nodes = self.nodes(face);
-        let position = |node: u32| mirror(self.position(node, u), mirrored);
-        controls(match is_triangle(nodes) {
+        let position = |node: u32| mirror_point(self.node_position(node, u), mirrored);
+        control_points(match is_triangle(nodes) {
             true => TRIANGLE_IN_FACE.iter().map(|&slot| position(nodes[slot])).collect(),
             false => nodes.iter().map(|&node| position(node)).collect(),
         })
@@ -101,31 +104,31 @@ impl Surface {
             sums.iter_mut().zip(shape).for_each(|(sum, value)| *sum += force * *value);
         }
         for (&node, sum) in self.nodes(face).iter().zip(sums) {
-            let force = mirror(sum, mirrored);
+            let force = mirror_point(sum, mirrored);
             (0..3).for_each(|axis| gradient[3 * node as usize + axis] += force[axis]);
         }
     }
 
-    fn position(&self, node: u32, u: &[f64]) -> Vector3<f64> {
-        self.rest[node as usize] + entry(node, u)
+    fn node_position(&self, node: u32, u: &[f64]) -> Vector3<f64> {
+        self.rest[node as usize] + nodal_vector(node, u)
     }
 }
 
-fn entry(node: u32, field: &[f64]) -> Vector3<f64> {
+fn nodal_vector(node: u32, field: &[f64]) -> Vector3<f64> {
     Vector3::from_column_slice(&field[3 * node as usize..3 * node as usize + 3])
 }
 
-fn mirror(x: Vector3<f64>, mirrored: bool) -> Vector3<f64> {
+fn mirror_point(x: Vector3<f64>, mirrored: bool) -> Vector3<f64> {
     if mirrored { Vector3::new(x.x, x.y, -x.z) } else { x }
 }
 
 /// The corners of a face: three of a triangle, four of a quadrilateral.
-fn corners(nodes: &[u32]) -> &[u32] {
+fn face_corners(nodes: &[u32]) -> &[u32] {
     &nodes[..if nodes.len() == 8 && !is_triangle(nodes) { 4 } else { 3 }]
 }
 
 /// Area of a plane triangle or quadrilateral, m².
-fn area(corners: &[Vector3<f64>]) -> SquareMetre {
+fn corner_area(corners: &[Vector3<f64>]) -> SquareMetre {
     match *corners {
         [a, b, c, d] => 0.5 * (c - a).cross(&(d - b)).norm(),
         [a, b, c, ..] => 0.5 * (b - a).cross(&(c - a)).norm(),
@@ -135,7 +138,7 @@ fn area(corners: &[Vector3<f64>]) -> SquareMetre {
 
 /// The control points of the quadratic Bézier triangle through 6 nodes, or of the biquadratic Bézier patch that is the serendipity face
 /// through 8; 3 nodes are their own.
-fn controls(mut nodes: Hull) -> Hull {
+fn control_points(mut nodes: Hull) -> Hull {
     if let [a, b, c, d, ab, bc, cd, da] = nodes[..] {
         let edge = |from: Vector3<f64>, middle: Vector3<f64>, to: Vector3<f64>| middle * 2.0 - (from + to) * 0.5;
         // the face passes through −¼ Σ corners + ½ Σ middles, and is ¼ of the inner control point there
@@ -153,8 +156,9 @@ fn controls(mut nodes: Hull) -> Hull {
 }
 
 /// Shape functions at the middles of the `pieces`² parts into which a face is cut.
-fn sampled(nodes: &[u32], pieces: usize) -> Shapes {
-    let middles = if corners(nodes).len() == 4 { middles_of_squares(pieces) } else { middles_of_triangles(pieces) };
+fn sampled_shapes(nodes: &[u32], pieces: usize) -> Shapes {
+    let middles =
+        if face_corners(nodes).len() == 4 { middles_of_squares(pieces) } else { middles_of_triangles(pieces) };
     let values = |at: Point2| {
         let mut values = [0.0; NODES];
         let shapes = if is_triangle(nodes) { triangle_in_face(at) } else { shape_functions(nodes.len(), at) };
@@ -180,14 +184,14 @@ fn middles_of_triangles(pieces: usize) -> Vec<Point2> {
 
 /// The faces of all chambers in one list.
 fn all_faces(mesh: &Mesh) -> Faces {
-    let mut all = Faces::Quadratic(Vec::new());
+    let mut joined = Faces::Quadratic(Vec::new());
     for chamber in &mesh.chambers {
-        match (&mut all, &chamber.faces) {
-            (Faces::Quadratic(all), Faces::Quadratic(faces)) => all.extend(faces),
-            (Faces::Linear(all), Faces::Linear(faces)) => all.extend(faces),
-            (Faces::QuadraticQuadrilaterals(all), Faces::QuadraticQuadrilaterals(faces)) => all.extend(faces),
-            (all, faces) => *all = faces.clone(),
+        match (&mut joined, &chamber.faces) {
+            (Faces::Quadratic(joined), Faces::Quadratic(faces)) => joined.extend(faces),
+            (Faces::Linear(joined), Faces::Linear(faces)) => joined.extend(faces),
+            (Faces::QuadraticQuadrilaterals(joined), Faces::QuadraticQuadrilaterals(faces)) => joined.extend(faces),
+            (joined, faces) => *joined = faces.clone(),
         }
     }
-    all
+    joined
 }

@@ -33,9 +33,10 @@ impl SolverState {
         let mut times = vec![0.0];
         let mut step = control.shortest;
         while until - stepper.times[0] > 1e-9 * control.shortest {
-            let left = until - stepper.times[0];
+            let remaining = until - stepper.times[0];
             // The last two steps share what is left, so that none is much shorter than the error allows.
-            let time = if left < 1.0001 * step { until } else { stepper.times[0] + step.min(0.5 * left.max(step)) };
+            let time =
+                if remaining < 1.0001 * step { until } else { stepper.times[0] + step.min(0.5 * remaining.max(step)) };
             let (next, error) = self.try_step(problem, &stepper, time);
             let taken = time - stepper.times[0];
             let shortest = taken <= control.shortest * 1.0001;

@@ -19,7 +19,7 @@ impl RefactorisationPolicy {
     }
 
     /// Counts a step of so many `uses` of the factor, and whether it was `factorised` in that step.
-    pub fn count(&mut self, uses: usize, factorised: bool) {
+    pub fn count_step(&mut self, uses: usize, factorised: bool) {
         if factorised {
             let cost = self.factorisation_cost;
             *self = Self { factorisation_cost: cost, steps: 0.0, spent: cost, refactorise: false };
@@ -37,11 +37,11 @@ mod tests {
     #[test]
     fn a_factor_is_kept_while_a_step_costs_less_than_the_mean() {
         let mut policy = RefactorisationPolicy::new(8.0);
-        policy.count(3, true);
+        policy.count_step(3, true);
         assert!(!policy.refactorise);
-        (0..3).for_each(|_| policy.count(3, false));
+        (0..3).for_each(|_| policy.count_step(3, false));
         assert!(!policy.refactorise, "twenty over four steps");
-        policy.count(9, false);
+        policy.count_step(9, false);
         assert!(policy.refactorise, "nine are more than twenty-nine over five");
     }
 }

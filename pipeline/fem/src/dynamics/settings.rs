@@ -80,8 +80,8 @@ impl State {
 
 /// # Errors
 /// [`SolveError::Setting`] when a number of `settings` is out of range.
-pub(crate) fn check(settings: &DynamicSettings) -> Result<(), SolveError> {
-    positive("the time step", settings.step, "above 0 s")?;
+pub(crate) fn check_settings(settings: &DynamicSettings) -> Result<(), SolveError> {
+    check_positive("the time step", settings.step, "above 0 s")?;
     not_negative("the mass damping", settings.mass_damping)?;
     not_negative("the stiffness damping", settings.stiffness_damping)?;
     if !(settings.tolerance > 0.0 && settings.tolerance <= 1e-2) {
@@ -94,8 +94,8 @@ pub(crate) fn check(settings: &DynamicSettings) -> Result<(), SolveError> {
 /// # Errors
 /// [`SolveError::Setting`] when a number of `control` is out of range.
 pub(crate) fn check_control(control: &StepControl) -> Result<(), SolveError> {
-    positive("the error of a step", control.tolerance, "above 0 m")?;
-    positive("the shortest step", control.shortest, "above 0 s")?;
+    check_positive("the error of a step", control.tolerance, "above 0 m")?;
+    check_positive("the shortest step", control.shortest, "above 0 s")?;
     if control.longest.is_nan() || control.longest < control.shortest {
         return Err(SolveError::Setting {
             what: "the longest step",
@@ -106,7 +106,7 @@ pub(crate) fn check_control(control: &StepControl) -> Result<(), SolveError> {
     Ok(())
 }
 
-fn positive(what: &'static str, value: f64, range: &'static str) -> Result<(), SolveError> {
+fn check_positive(what: &'static str, value: f64, range: &'static str) -> Result<(), SolveError> {
     if value > 0.0 && value.is_finite() { Ok(()) } else { Err(SolveError::Setting { what, value, range }) }
 }
 

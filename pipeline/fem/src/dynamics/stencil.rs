@@ -33,8 +33,8 @@ impl Stencil {
     /// Of the step that ends at the last of `times` (s, ascending).
     pub fn ending(scheme: Scheme, times: &[Second]) -> Self {
         let count = times.len();
-        let before = count.checked_sub(3).map(|at| times[at + 1] - times[at]);
-        Self::new(scheme, times[count - 1] - times[count - 2], before)
+        let previous_step = count.checked_sub(3).map(|at| times[at + 1] - times[at]);
+        Self::new(scheme, times[count - 1] - times[count - 2], previous_step)
     }
 
     /// Σ wⱼ xₙ₋ⱼ over `past`, newest first.
@@ -57,10 +57,10 @@ impl Stencil {
 }
 
 /// Lagrange weights at `now` of the polynomial through `times`.
-pub(crate) fn extrapolation(times: &[Second], now: Second) -> Vec<f64> {
+pub(crate) fn extrapolation_weights(times: &[Second], now: Second) -> Vec<f64> {
     let weight = |i: usize| {
-        let others = (0..times.len()).filter(|&j| j != i);
-        others.map(|j| (now - times[j]) / (times[i] - times[j])).product()
+        let other_times = (0..times.len()).filter(|&j| j != i);
+        other_times.map(|j| (now - times[j]) / (times[i] - times[j])).product()
     };
     (0..times.len()).map(weight).collect()
 }
@@ -90,7 +90,7 @@ mod tests {
     fn a_cubic_is_extrapolated_exactly_from_four_uneven_times() {
         let times = [0.4, 0.3, 0.1, 0.0];
         let cubic = |t: f64| 2.0 + t - t * t * t;
-        let value: f64 = extrapolation(&times, 0.5).iter().zip(times).map(|(w, t)| w * cubic(t)).sum();
+        let value: f64 = extrapolation_weights(&times, 0.5).iter().zip(times).map(|(w, t)| w * cubic(t)).sum();
         assert!((value - cubic(0.5)).abs() < 1e-13);
     }
 }

@@ -10,7 +10,7 @@
 
 use crate::dynamics::refactorisation::RefactorisationPolicy;
 use crate::dynamics::settings::{self, DynamicSettings, InitialValueProblem, Scheme, State};
-use crate::dynamics::stencil::{Stencil, extrapolation};
+use crate::dynamics::stencil::{Stencil, extrapolation_weights};
 use crate::newton::options::{Globalisation, NewtonCounts, NewtonOptions, NonConvergence};
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
@@ -64,12 +64,12 @@ impl StepperState {
     }
 
     /// The stencil of a step to `time`.
-    fn stencil(&self, settings: &DynamicSettings, time: Second) -> Stencil {
-        let before = self.times.get(1).map(|then| self.times[0] - then);
-        Stencil::new(settings.scheme, time - self.times[0], before)
+    fn stencil_to(&self, settings: &DynamicSettings, time: Second) -> Stencil {
+        let previous_step = self.times.get(1).map(|then| self.times[0] - then);
+        Stencil::new(settings.scheme, time - self.times[0], previous_step)
     }
 
-    fn shapes(&self) -> impl Iterator<Item = &[f64]> {
+    fn past_displacements(&self) -> impl Iterator<Item = &[f64]> {
         self.states.iter().map(|state| state.displacement.as_slice())
     }
 
@@ -84,7 +84,7 @@ impl StepperState {
         }
         let times: Vec<Second> = self.times.iter().copied().take(count).collect();
         let mut guess = vec![0.0; self.states[0].displacement.len()];
-        for (weight, shape) in extrapolation(&times, time).iter().zip(self.shapes()) {
+        for (weight, shape) in extrapolation_weights(&times, time).iter().zip(self.past_displacements()) {
             guess.iter_mut().zip(shape).for_each(|(guess, u)| *guess += weight * u);
         }
         guess
@@ -115,7 +115,7 @@ impl SolverState {
 
     /// A stepper at `initial` at time 0.
     pub(crate) fn start(&mut self, settings: &DynamicSettings, initial: &State) -> Result<StepperState, SolveError> {
-        settings::check(settings)?;
+        settings::check_settings(settings)?;
         self.check_field("the initial displacement", &initial.displacement)?;
         self.check_field("the initial velocity", &initial.velocity)?;
         self.linearised = None;
@@ -129,7 +129,7 @@ impl SolverState {
 
     /// The history of a body that has been held at `u` for ever; none when no region relaxes.
     fn relaxed_history(&self, u: &[f64]) -> Option<History> {
-        let regions = step::regions(&self.inputs.properties, 0.0)?;
+        let regions = step::region_steps(&self.inputs.properties, 0.0)?;
         Some(History::relaxed(&self.data, &regions, u))
     }
 
@@ -142,9 +142,9 @@ impl SolverState {
         pressures: &[Pascal],
     ) -> Result<(), SolveError> {
         self.check_pressures(pressures)?;
-        let regions = step::regions(&self.inputs.properties, time - stepper.times[0]);
+        let regions = step::region_steps(&self.inputs.properties, time - stepper.times[0]);
         let past = regions.as_deref().zip(stepper.history.as_ref());
-        let stencil = stepper.stencil(settings, time);
+        let stencil = stepper.stencil_to(settings, time);
         self.inputs.begin_step(&self.data, 1.0 + settings.stiffness_damping * stencil.gamma, past);
         let result = self.step(settings, stepper, time, pressures);
         self.inputs.end_step();
@@ -156,7 +156,7 @@ impl SolverState {
             stepper.forces.push_front(self.elastic_forces(&state.displacement));
             stepper.forces.truncate(2);
         }
-        stepper.policy.count(counts.iterations, counts.factorisations > 0);
+        stepper.policy.count_step(counts.iterations, counts.factorisations > 0);
         stepper.states.push_front(state);
         stepper.states.truncate(PAST);
         stepper.times.push_front(time);
@@ -185,18 +185,18 @@ impl SolverState {
     fn quasi_static_step(
         &mut self,
         settings: &DynamicSettings,
-        before: &[f64],
+        previous: &[f64],
         pressures: &[Pascal],
     ) -> Result<(State, NewtonCounts), SolveError> {
         let settings = StaticSettings { tolerance: settings.tolerance, ..StaticSettings::default() };
-        let guess = before.iter().any(|u| *u != 0.0).then_some(before);
-        let found = self.equilibrium(pressures, guess, &settings)?;
+        let guess = previous.iter().any(|u| *u != 0.0).then_some(previous);
+        let equilibrium = self.equilibrium(pressures, guess, &settings)?;
         let counts = NewtonCounts {
-            iterations: found.iterations,
-            factorisations: found.factorisations,
+            iterations: equilibrium.iterations,
+            factorisations: equilibrium.factorisations,
             ..NewtonCounts::default()
         };
-        Ok((State { velocity: vec![0.0; before.len()], displacement: found.displacement }, counts))
+        Ok((State { velocity: vec![0.0; previous.len()], displacement: equilibrium.displacement }, counts))
     }
 
     fn implicit_step(
@@ -207,12 +207,13 @@ impl SolverState {
         pressures: &[Pascal],
     ) -> Result<(State, NewtonCounts), NonConvergence> {
         if settings.stiffness_damping > 0.0 && stepper.forces.is_empty() {
-            stepper.forces = stepper.shapes().take(2).map(|u| self.elastic_forces(u)).collect();
+            stepper.forces = stepper.past_displacements().take(2).map(|u| self.elastic_forces(u)).collect();
         }
-        let mut displacement = self.admissible(&stepper.states[0].displacement, stepper.initial_guess(PAST, time));
-        self.couple(&displacement)?;
-        let stencil = stepper.stencil(settings, time);
-        let inertia = self.inertia(settings, &stencil, stepper);
+        let mut displacement =
+            self.admissible_shape(&stepper.states[0].displacement, stepper.initial_guess(PAST, time));
+        self.couple_contact(&displacement)?;
+        let stencil = stepper.stencil_to(settings, time);
+        let inertia = self.step_inertia(settings, &stencil, stepper);
         let potential = self.inputs.at_rest(&self.data, pressures).in_motion(&inertia);
         // Inertia keeps the minimum close to the initial guess; the line search keeps the iteration safe where a
         // pressure jumps.
@@ -231,15 +232,15 @@ impl SolverState {
             let options = NewtonOptions { refactorise: true, ..options };
             self.newton.minimise(&potential, &mut displacement, None, &options)
         })?;
-        let velocity = stencil.rate(&displacement, stepper.shapes());
+        let velocity = stencil.rate(&displacement, stepper.past_displacements());
         Ok((State { displacement, velocity }, counts))
     }
 
     /// c, û and h of one step.
-    fn inertia(&self, settings: &DynamicSettings, stencil: &Stencil, stepper: &StepperState) -> Inertia {
+    fn step_inertia(&self, settings: &DynamicSettings, stencil: &Stencil, stepper: &StepperState) -> Inertia {
         let (alpha, beta, gamma) = (settings.mass_damping, settings.stiffness_damping, stencil.gamma);
         let rate = gamma * gamma + alpha * gamma;
-        let v = stencil.history(stepper.shapes());
+        let v = stencil.history(stepper.past_displacements());
         let a = stencil.history(stepper.states.iter().map(|state| state.velocity.as_slice()));
         let centre: Vec<f64> = v.iter().zip(&a).map(|(v, a)| -((gamma + alpha) * v + a) / rate).collect();
         let free = self.data.pattern.gather(&centre);

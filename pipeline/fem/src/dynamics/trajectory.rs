@@ -65,7 +65,7 @@ pub(crate) struct TrajectoryStep<'a> {
 
 impl<'a> TrajectoryStep<'a> {
     pub fn new(trajectory: &'a Trajectory, segment: &'a Segment, n: usize) -> Self {
-        Self { trajectory, segment, n, stencil: trajectory.stencil(n) }
+        Self { trajectory, segment, n, stencil: trajectory.stencil_of_step(n) }
     }
 
     /// The state at the end of the step.
@@ -120,18 +120,18 @@ impl Trajectory {
     }
 
     /// The stencil of step `n` (from 1).
-    fn stencil(&self, n: usize) -> Stencil {
+    fn stencil_of_step(&self, n: usize) -> Stencil {
         Stencil::ending(self.settings.scheme, &self.times[n.saturating_sub(2)..=n])
     }
 
     /// Stores the newest state.
-    fn store(&mut self, stepper: &StepperState) {
+    fn store_state(&mut self, stepper: &StepperState) {
         self.stored.push(stepper.states[0].clone());
         self.stored_histories.extend(stepper.history.clone());
     }
 
     /// First and last step of a segment.
-    pub(crate) fn bounds(&self, segment: usize) -> (usize, usize) {
+    pub(crate) fn segment_bounds(&self, segment: usize) -> (usize, usize) {
         (segment * self.interval + 1, ((segment + 1) * self.interval).min(self.steps()))
     }
 }
@@ -154,23 +154,23 @@ impl SolverState {
         let history = stepper.history.as_ref().map_or(0, |history| history.tensors.len() * size_of::<Symmetric>());
         let interval = checkpoint_interval(steps, 16 * problem.initial.displacement.len() + history, memory)?;
         let pressures = times.iter().skip(1).map(|&time| (problem.pressures)(time)).collect();
-        let mut made = Trajectory { settings, times, pressures, interval, ..Trajectory::default() };
-        let all = interval >= steps;
-        if all {
-            made.store(&stepper);
+        let mut trajectory = Trajectory { settings, times, pressures, interval, ..Trajectory::default() };
+        let stores_all = interval >= steps;
+        if stores_all {
+            trajectory.store_state(&stepper);
         }
         for n in 1..=steps {
             if (n - 1).is_multiple_of(interval) {
                 stepper.restart();
-                made.checkpoints.push((stepper.states.iter().cloned().collect(), stepper.history.clone()));
+                trajectory.checkpoints.push((stepper.states.iter().cloned().collect(), stepper.history.clone()));
             }
-            self.step_to(&settings, &mut stepper, made.times[n], &made.pressures[n - 1])?;
-            observe(made.times[n], &stepper.states[0]);
-            if all {
-                made.store(&stepper);
+            self.step_to(&settings, &mut stepper, trajectory.times[n], &trajectory.pressures[n - 1])?;
+            observe(trajectory.times[n], &stepper.states[0]);
+            if stores_all {
+                trajectory.store_state(&stepper);
             }
         }
-        Ok(made)
+        Ok(trajectory)
     }
 
     /// The states of `segment` and the two before it, recomputed from its checkpoint where they are not stored.
@@ -179,10 +179,10 @@ impl SolverState {
             let (states, histories) = (trajectory.stored.clone(), trajectory.stored_histories.clone());
             return Ok(Segment { first: 0, states, histories });
         }
-        let (first, last) = trajectory.bounds(segment);
+        let (first, last) = trajectory.segment_bounds(segment);
         let (checkpoint, history) = &trajectory.checkpoints[segment];
-        let before = checkpoint.len();
-        let times = trajectory.times[first - before..first].iter().rev().copied().collect();
+        let checkpoint_states = checkpoint.len();
+        let times = trajectory.times[first - checkpoint_states..first].iter().rev().copied().collect();
         let mut stepper = StepperState::new(checkpoint.clone(), times, history.clone());
         let mut states: Vec<State> = checkpoint.iter().rev().cloned().collect();
         let mut histories: Vec<History> = history.iter().cloned().collect();
@@ -191,7 +191,7 @@ impl SolverState {
             states.push(stepper.states[0].clone());
             histories.extend(stepper.history.clone());
         }
-        Ok(Segment { first: first - before, states, histories })
+        Ok(Segment { first: first - checkpoint_states, states, histories })
     }
 
     /// See [`crate::Solver::replay`].
@@ -202,7 +202,7 @@ impl SolverState {
     ) -> Result<(), SolveError> {
         for number in 0..trajectory.segments() {
             let segment = self.segment(trajectory, number)?;
-            let (first, last) = trajectory.bounds(number);
+            let (first, last) = trajectory.segment_bounds(number);
             for n in (if number == 0 { 0 } else { first })..=last {
                 observe(trajectory.times[n], segment.state(n));
             }

@@ -42,20 +42,20 @@ impl ChamberPressure {
         let corners = nodes.clone();
         nodes.sort_unstable();
         nodes.dedup();
-        let at = |node: &u32| Vector3::from(mesh.nodes[*node as usize]);
-        let mut centre = nodes.iter().map(at).sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
+        let rest_position = |node: &u32| Vector3::from(mesh.nodes[*node as usize]);
+        let mut centre = nodes.iter().map(rest_position).sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
         if mesh.symmetry_plane_z {
             centre.z = 0.0;
         }
         let local = corners.iter().map(|node| nodes.partition_point(|other| other < node) as u32).collect();
-        let positions = nodes.iter().map(|node| (*node, at(node) - centre)).collect();
+        let positions = nodes.iter().map(|node| (*node, rest_position(node) - centre)).collect();
         let points = match faces {
             Faces::Linear(_) => triangle_1(),
             Faces::Quadratic(_) => triangle_7(),
             Faces::QuadraticQuadrilaterals(_) => square_9(),
         };
-        let quadrature = points.into_iter().map(|(at, weight)| (face(faces.nodes_each(), at), weight)).collect();
-        let triangles = triangle_7().into_iter().map(|(at, weight)| (triangle_in_face(at), weight)).collect();
+        let quadrature = points.into_iter().map(|(point, weight)| (face(faces.nodes_each(), point), weight)).collect();
+        let triangles = triangle_7().into_iter().map(|(point, weight)| (triangle_in_face(point), weight)).collect();
         let mut chamber = Self { at_rest: 0.0, faces, positions, local, quadrature, triangles };
         chamber.at_rest = chamber.volume(&vec![0.0; 3 * mesh.nodes.len()]);
         chamber
@@ -70,7 +70,7 @@ impl ChamberPressure {
         volume
     }
 
-    fn quadrature(&self, nodes: &[u32]) -> &FaceShapes {
+    fn face_quadrature(&self, nodes: &[u32]) -> &FaceShapes {
         if is_triangle(nodes) { &self.triangles } else { &self.quadrature }
     }
 
@@ -86,7 +86,7 @@ impl ChamberPressure {
         for face in 0..self.faces.len() {
             let nodes = self.faces.nodes(face);
             let local = &self.local[face * nodes.len()..(face + 1) * nodes.len()];
-            for (shape, weight) in self.quadrature(nodes) {
+            for (shape, weight) in self.face_quadrature(nodes) {
                 let mut frame = [Vector3::zeros(); 3];
                 for ((value, derivative), &at) in shape.iter().zip(local) {
                     let x = now[at as usize];
@@ -136,7 +136,7 @@ impl Load for ChamberPressure {
                 }
             }
             visited += 1;
-            if visited == self.quadrature(nodes).len() {
+            if visited == self.face_quadrature(nodes).len() {
                 add_blocks(nodes, &axes, add);
                 (axes, visited) = ([Vector3::zeros(); MAX_PAIRS], 0);
             }

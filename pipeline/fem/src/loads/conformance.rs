@@ -202,7 +202,7 @@ fn a_half_model_has_half_the_volume_at_rest_and_deformed() {
         let half = ball(kind, true);
         let u = wave(&half);
         let (whole, moved) = mirrored(&half, &u);
-        crate::validation::closed(&whole, 0, &whole.chambers[0]).unwrap();
+        crate::validation::check_closed(&whole, 0, &whole.chambers[0]).unwrap();
         let part = ChamberPressure::new(&half, &half.chambers[0]).volume(&u);
         let all = ChamberPressure::new(&whole, &whole.chambers[0]).volume(&moved);
         assert!((2.0 * part / all - 1.0).abs() < 1e-13, "{part} {all}");

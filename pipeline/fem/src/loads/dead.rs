@@ -16,7 +16,7 @@ pub(crate) struct DeadForces {
 
 impl Load for DeadForces {
     fn potential(&self, u: &[f64]) -> f64 {
-        -self.forces.iter().zip(u).map(|(force, moved)| force * moved).sum::<f64>()
+        -self.forces.iter().zip(u).map(|(force, displacement)| force * displacement).sum::<f64>()
     }
 
     fn add_gradient(&self, _u: &[f64], strength: f64, gradient: &mut [f64]) {
@@ -52,7 +52,7 @@ impl<'a> Forces<'a> {
     /// [`SetupError::NoSuchNode`] when the node does not exist.
     pub fn on_node(mut self, node: u32, force: Point3) -> Result<Self, SetupError> {
         self.mesh.check_side("force at node", &[node], &[1])?;
-        self.add(node, force, 1.0);
+        self.add_force(node, force, 1.0);
         Ok(self)
     }
 
@@ -63,7 +63,7 @@ impl<'a> Forces<'a> {
     pub fn on_edge(mut self, edge: &[u32], per_length: Point3) -> Result<Self, SetupError> {
         self.mesh.check_side("edge", edge, &[2, 3])?;
         for (&node, integral) in edge.iter().zip(edge_integrals(self.mesh, edge)) {
-            self.add(node, per_length, integral);
+            self.add_force(node, per_length, integral);
         }
         Ok(self)
     }
@@ -76,7 +76,7 @@ impl<'a> Forces<'a> {
     pub fn on_face(mut self, face: &[u32], traction: Point3) -> Result<Self, SetupError> {
         self.mesh.check_side("face", face, &[3, 4, 6, 8])?;
         for (&node, integral) in face.iter().zip(face_integrals(self.mesh, face)) {
-            self.add(node, traction, integral);
+            self.add_force(node, traction, integral);
         }
         Ok(self)
     }
@@ -86,7 +86,7 @@ impl<'a> Forces<'a> {
         &self.nodal
     }
 
-    fn add(&mut self, node: u32, force: Point3, weight: f64) {
+    fn add_force(&mut self, node: u32, force: Point3, weight: f64) {
         (0..3).for_each(|axis| self.nodal[3 * node as usize + axis] += weight * force[axis]);
     }
 }

@@ -29,11 +29,11 @@ impl Gas<'_> {
     pub(crate) fn potential(&self, u: &[f64]) -> f64 {
         let volume = self.chamber.volume(u);
         let Some(ambient) = self.ambient else { return -self.pressure * volume };
-        let rest = self.chamber.at_rest;
+        let rest_volume = self.chamber.at_rest;
         if volume <= 0.0 {
             return f64::INFINITY;
         }
-        -(self.pressure + ambient) * rest * (volume / rest).ln() + ambient * (volume - rest)
+        -(self.pressure + ambient) * rest_volume * (volume / rest_volume).ln() + ambient * (volume - rest_volume)
     }
 
     /// g at the volume V, Pa.

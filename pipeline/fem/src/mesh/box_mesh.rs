@@ -63,9 +63,9 @@ pub fn grid(
         symmetry_plane_z: half,
     };
     let mut tets = Vec::new();
-    for cell in all(cells) {
+    for cell in all_cells(cells) {
         let Some(material) = region(cell) else { continue };
-        let mirror = mirrored(cells, half, cell);
+        let mirror = mirrored_axes(cells, half, cell);
         for path in PATHS {
             let mut number = |corner: [usize; 3]| {
                 *numbers.entry(corner).or_insert_with(|| {
@@ -73,13 +73,13 @@ pub fn grid(
                     mesh.nodes.len() as u32 - 1
                 })
             };
-            tets.push(corners(cell, path, mirror).map(&mut number));
+            tets.push(path_corners(cell, path, mirror).map(&mut number));
             mesh.regions.push(material);
         }
     }
-    let triangles = |side: Side| triangles(side, mirrored(cells, half, side.cell), &numbers);
+    let triangles = |side: Side| side_triangles(side, mirrored_axes(cells, half, side.cell), &numbers);
     let chamber = |walls: Vec<Side>| Chamber { faces: Faces::Linear(walls.into_iter().flat_map(triangles).collect()) };
-    mesh.chambers = walls(cells, half, &region).into_iter().map(chamber).collect();
+    mesh.chambers = chamber_walls(cells, half, &region).into_iter().map(chamber).collect();
     mesh.elements = Elements::Linear(tets);
     mesh
 }
@@ -125,15 +125,15 @@ pub fn to_quadratic(mesh: &Mesh) -> Mesh {
 /// The same box as 8-node hexahedra; nodes and elements are counted along x, then y, then z.
 pub fn hexahedra(size: Point3, cells: [usize; 3]) -> Mesh {
     let [nx, ny, nz] = cells.map(|count| count + 1);
-    let place = |n: usize| {
-        let at = [n % nx, n / nx % ny, n / (nx * ny)];
-        std::array::from_fn(|axis| size[axis] * at[axis] as f64 / cells[axis] as f64)
+    let node_position = |n: usize| {
+        let index = [n % nx, n / nx % ny, n / (nx * ny)];
+        std::array::from_fn(|axis| size[axis] * index[axis] as f64 / cells[axis] as f64)
     };
     let corner = |[i, j, k]: [usize; 3], [x, y, z]: [usize; 3]| (i + x + nx * (j + y + ny * (k + z))) as u32;
     let element = |cell| std::array::from_fn(|n| corner(cell, [SQUARE[n % 4][0], SQUARE[n % 4][1], n / 4]));
-    let elements: Vec<[u32; 8]> = all(cells).map(element).collect();
+    let elements: Vec<[u32; 8]> = all_cells(cells).map(element).collect();
     Mesh {
-        nodes: (0..nx * ny * nz).map(place).collect(),
+        nodes: (0..nx * ny * nz).map(node_position).collect(),
         regions: vec![0; elements.len()],
         elements: Elements::Hexahedra(elements),
         chambers: Vec::new(),
@@ -157,7 +157,7 @@ pub fn quadratic_hexahedra(
         })
     };
     let (mut elements, mut regions) = (Vec::new(), Vec::new());
-    for cell in all(cells) {
+    for cell in all_cells(cells) {
         let Some(material) = region(cell) else { continue };
         let corners: [[usize; 3]; 8] = std::array::from_fn(|n| {
             let [x, y] = SQUARE[n % 4];
@@ -167,8 +167,8 @@ pub fn quadratic_hexahedra(
         regions.push(material);
     }
     let mut chambers = Vec::new();
-    for walls in walls(cells, half, &region) {
-        let faces = walls.into_iter().map(|side| side.quadrilateral().map(&mut number)).collect();
+    for walls in chamber_walls(cells, half, &region) {
+        let faces = walls.into_iter().map(|side| side.side_nodes().map(&mut number)).collect();
         chambers.push(Chamber { faces: Faces::QuadraticQuadrilaterals(faces) });
     }
     Mesh { nodes, elements: Elements::QuadraticHexahedra(elements), regions, chambers, symmetry_plane_z: half }
@@ -184,45 +184,45 @@ fn with_middles<const N: usize>(corners: &[[usize; 3]], edges: &[(usize, usize)]
     std::array::from_fn(|n| each[n])
 }
 
-fn all(cells: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+fn all_cells(cells: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..cells[2]).flat_map(move |k| (0..cells[1]).flat_map(move |j| (0..cells[0]).map(move |i| [i, j, k])))
 }
 
 /// The axes along which a cell is cut as a mirror image: those along which it lies before the middle of the body.
-fn mirrored(cells: [usize; 3], half: bool, cell: [usize; 3]) -> [bool; 3] {
+fn mirrored_axes(cells: [usize; 3], half: bool, cell: [usize; 3]) -> [bool; 3] {
     std::array::from_fn(|axis| 2 * cell[axis] + 1 < cells[axis] && !(half && axis == 2))
 }
 
 /// The four corners on one path through a cell, ordered so that their volume is positive.
-fn corners(cell: [usize; 3], (order, even): ([usize; 3], bool), mirror: [bool; 3]) -> [[usize; 3]; 4] {
-    let mut at: [usize; 3] = std::array::from_fn(|axis| cell[axis] + usize::from(mirror[axis]));
+fn path_corners(cell: [usize; 3], (order, even): ([usize; 3], bool), mirror: [bool; 3]) -> [[usize; 3]; 4] {
+    let mut corner: [usize; 3] = std::array::from_fn(|axis| cell[axis] + usize::from(mirror[axis]));
     let path: [[usize; 3]; 4] = std::array::from_fn(|step| {
         if let Some(&axis) = step.checked_sub(1).map(|last| &order[last]) {
-            at[axis] = if mirror[axis] { at[axis] - 1 } else { at[axis] + 1 };
+            corner[axis] = if mirror[axis] { corner[axis] - 1 } else { corner[axis] + 1 };
         }
-        at
+        corner
     });
     let even = mirror.iter().fold(even, |even, &mirrored| even != mirrored);
     if even { path } else { [path[0], path[2], path[1], path[3]] }
 }
 
 /// Sides between solid cells and enclosed air, one list per connected air space that does not reach the outside.
-fn walls(cells: [usize; 3], half: bool, region: &impl Fn([usize; 3]) -> Option<u16>) -> Vec<Vec<Side>> {
-    let mut seen = BTreeSet::new();
+fn chamber_walls(cells: [usize; 3], half: bool, region: &impl Fn([usize; 3]) -> Option<u16>) -> Vec<Vec<Side>> {
+    let mut visited = BTreeSet::new();
     let mut chambers = Vec::new();
-    for start in all(cells) {
-        if region(start).is_some() || seen.contains(&start) {
+    for start in all_cells(cells) {
+        if region(start).is_some() || visited.contains(&start) {
             continue;
         }
         let (mut queue, mut sides, mut closed) = (vec![start], Vec::new(), true);
-        seen.insert(start);
+        visited.insert(start);
         while let Some(cell) = queue.pop() {
             for (axis, ahead) in (0..3).flat_map(|axis| [(axis, true), (axis, false)]) {
-                match neighbour(cells, cell, axis, ahead) {
+                match neighbour_cell(cells, cell, axis, ahead) {
                     None => closed &= half && axis == 2 && !ahead,
                     Some(next) if region(next).is_some() => sides.push(Side { cell, axis, ahead }),
                     Some(next) => {
-                        if seen.insert(next) {
+                        if visited.insert(next) {
                             queue.push(next);
                         }
                     }
@@ -236,7 +236,7 @@ fn walls(cells: [usize; 3], half: bool, region: &impl Fn([usize; 3]) -> Option<u
     chambers
 }
 
-fn neighbour(cells: [usize; 3], cell: [usize; 3], axis: usize, ahead: bool) -> Option<[usize; 3]> {
+fn neighbour_cell(cells: [usize; 3], cell: [usize; 3], axis: usize, ahead: bool) -> Option<[usize; 3]> {
     let mut next = cell;
     next[axis] = if ahead { cell[axis] + 1 } else { cell[axis].checked_sub(1)? };
     (next[axis] < cells[axis]).then_some(next)
@@ -252,14 +252,14 @@ struct Side {
 
 impl Side {
     /// The eight nodes of an air cell's side on the grid of twice the cells, normal into the air.
-    fn quadrilateral(self) -> [[usize; 3]; 8] {
+    fn side_nodes(self) -> [[usize; 3]; 8] {
         let (p, q) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
         let corner = |[along_p, along_q]: [usize; 2]| {
-            let mut at = self.cell.map(|index| 2 * index);
-            at[self.axis] += if self.ahead { 2 } else { 0 };
-            at[p] += 2 * along_p;
-            at[q] += 2 * along_q;
-            at
+            let mut node = self.cell.map(|index| 2 * index);
+            node[self.axis] += if self.ahead { 2 } else { 0 };
+            node[p] += 2 * along_p;
+            node[q] += 2 * along_q;
+            node
         };
         // counterclockwise about +axis, which points into the air from the near side
         let mut corners = SQUARE.map(corner);
@@ -271,7 +271,7 @@ impl Side {
 }
 
 /// The two triangles of an air cell's side, split as its solid neighbour is, normals into the air.
-fn triangles(
+fn side_triangles(
     Side { cell, axis, ahead }: Side,
     mirror: [bool; 3],
     numbers: &BTreeMap<[usize; 3], u32>,
@@ -280,10 +280,10 @@ fn triangles(
     low[axis] += usize::from(ahead);
     let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
     let corner = |along_p: bool, along_q: bool| {
-        let mut at = low;
-        at[p] += usize::from(along_p != mirror[p]);
-        at[q] += usize::from(along_q != mirror[q]);
-        numbers[&at]
+        let mut node = low;
+        node[p] += usize::from(along_p != mirror[p]);
+        node[q] += usize::from(along_q != mirror[q]);
+        numbers[&node]
     };
     let (o, a, b, c) = (corner(false, false), corner(true, false), corner(false, true), corner(true, true));
     // The normal of (o, a, c) points along +axis, or −axis when mirrored once; a far side needs −axis to point into the

@@ -34,9 +34,9 @@ impl Clamps {
 
     /// Constrains `node` along the `axes` that are true, in addition to its earlier constraints.
     pub fn constrain(&mut self, node: u32, axes: [bool; 3]) {
-        let own = self.axes.entry(node).or_default();
+        let constrained = self.axes.entry(node).or_default();
         for axis in 0..3 {
-            own[axis] |= axes[axis];
+            constrained[axis] |= axes[axis];
         }
     }
 

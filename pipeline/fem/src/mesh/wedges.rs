@@ -11,7 +11,7 @@ struct Diagonals {
 }
 
 impl Diagonals {
-    fn middle(&mut self, from: u32, to: u32) -> u32 {
+    fn diagonal_middle(&mut self, from: u32, to: u32) -> u32 {
         let nodes = &mut self.nodes;
         *self.middles.entry([from.min(to), from.max(to)]).or_insert_with(|| {
             let ends = [nodes[from as usize], nodes[to as usize]];
@@ -21,8 +21,8 @@ impl Diagonals {
     }
 
     /// The triangles 012 and 023 of an 8-node quadrilateral, as faces of 8 nodes.
-    fn triangles(&mut self, [a, b, c, d, ab, bc, cd, da]: [u32; 8]) -> [[u32; 8]; 2] {
-        let ac = self.middle(a, c);
+    fn two_triangles(&mut self, [a, b, c, d, ab, bc, cd, da]: [u32; 8]) -> [[u32; 8]; 2] {
+        let ac = self.diagonal_middle(a, c);
         [[a, b, c, c, ab, bc, c, ac], [a, c, d, d, ac, cd, d, da]]
     }
 }
@@ -40,16 +40,16 @@ pub fn split(mesh: &Mesh) -> Mesh {
         let [lower, upper] =
             [[0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]].map(|side| side.map(|n| nodes[n]));
         let sides = [16, 17, 18, 19].map(|n| nodes[n]);
-        let triangles = diagonals.triangles(lower).into_iter().zip(diagonals.triangles(upper));
+        let triangles = diagonals.two_triangles(lower).into_iter().zip(diagonals.two_triangles(upper));
         wedges.extend(triangles.zip([[0, 1, 2, 2], [0, 2, 3, 3]]).map(|((lower, upper), corners)| {
-            let between = corners.map(|n| sides[n]);
-            let parts: Vec<u32> = [&lower[..4], &upper[..4], &lower[4..], &upper[4..], &between].concat();
+            let lateral_middles = corners.map(|n| sides[n]);
+            let parts: Vec<u32> = [&lower[..4], &upper[..4], &lower[4..], &upper[4..], &lateral_middles].concat();
             std::array::from_fn(|n| parts[n])
         }));
     }
     let chamber = |chamber: &Chamber| {
         let Faces::QuadraticQuadrilaterals(faces) = &chamber.faces else { panic!("8-node faces") };
-        let faces = faces.iter().flat_map(|face| cut(face, &diagonals)).collect();
+        let faces = faces.iter().flat_map(|face| cut_face(face, &diagonals)).collect();
         Chamber { faces: Faces::QuadraticQuadrilaterals(faces) }
     };
     let chambers = mesh.chambers.iter().map(chamber).collect();
@@ -58,8 +58,8 @@ pub fn split(mesh: &Mesh) -> Mesh {
 }
 
 /// A face as it is, or its two triangles where one of its diagonals cuts elements.
-fn cut(face: &[u32; 8], diagonals: &Diagonals) -> Vec<[u32; 8]> {
-    let turned = |by: usize| std::array::from_fn(|n| face[4 * (n / 4) + (n + by) % 4]);
+fn cut_face(face: &[u32; 8], diagonals: &Diagonals) -> Vec<[u32; 8]> {
+    let turned = |shift: usize| std::array::from_fn(|n| face[4 * (n / 4) + (n + shift) % 4]);
     for [a, b, c, d, ab, bc, cd, da] in [turned(0), turned(1)] {
         if let Some(&ac) = diagonals.middles.get(&[a.min(c), a.max(c)]) {
             return vec![[a, b, c, c, ab, bc, c, ac], [a, c, d, d, ac, cd, d, da]];

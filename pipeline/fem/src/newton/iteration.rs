@@ -81,40 +81,40 @@ impl Newton {
         self.factor.is_ready()
     }
 
-    /// Moves `u` (3 entries per node, m) to a minimum of `on`; `previous` is where a straight line to `u` began, if one
+    /// Moves `u` (3 entries per node, m) to a minimum of `potential`; `previous` is where a straight line to `u` began, if one
     /// did.
     ///
     /// # Errors
     /// [`NonConvergence`]; `u` is then somewhere on the way.
     pub fn minimise(
         &mut self,
-        on: &Potential,
+        potential: &Potential,
         u: &mut [f64],
         previous: Option<&[f64]>,
         options: &NewtonOptions,
     ) -> Result<NewtonCounts, NonConvergence> {
-        let energy = on.energy(u, &mut self.gradient);
+        let energy = potential.energy(u, &mut self.gradient);
         if !energy.value.is_finite() {
             return Err(NonConvergence::InvertedElement);
         }
         let options = NewtonOptions { refactorise: options.refactorise || !self.is_ready(), ..*options };
         let mut state = IterationState::new(options, previous, energy);
         self.history.clear();
-        self.rotate_factor_to(on, u);
-        let outcome = self.iterate_until_converged(on, u, &mut state, &options);
-        self.spent.add(state.counts);
+        self.rotate_factor_to(potential, u);
+        let outcome = self.iterate_until_converged(potential, u, &mut state, &options);
+        self.spent.add_counts(state.counts);
         outcome.map(|()| state.counts)
     }
 
     fn iterate_until_converged(
         &mut self,
-        on: &Potential,
+        potential: &Potential,
         u: &mut [f64],
         state: &mut IterationState,
         options: &NewtonOptions,
     ) -> Result<(), NonConvergence> {
         while state.counts.iterations < options.max_iterations {
-            if self.iterate(on, u, state, options)? {
+            if self.iterate(potential, u, state, options)? {
                 return Ok(());
             }
         }
@@ -125,7 +125,7 @@ impl Newton {
     /// One direction and the step along it; whether it was the last.
     fn iterate(
         &mut self,
-        on: &Potential,
+        potential: &Potential,
         u: &mut [f64],
         state: &mut IterationState,
         options: &NewtonOptions,
@@ -138,33 +138,33 @@ impl Newton {
             let full_steps = state.globalisation == Globalisation::FullStep;
             let previous = state.previous.as_deref().filter(|_| full_steps);
             let first = options.predicted && state.counts.factorisations == 0;
-            state.count_factorisation(self.refactorise(on, u, previous, first)?);
-            state.check_stability(u, on.data.size)?;
+            state.count_factorisation(self.refactorise(potential, u, previous, first)?);
+            state.check_stability(u, potential.data.size)?;
         }
-        let direction = self.direction(on)?;
+        let direction = self.newton_direction(potential)?;
         let size = direction.size;
         state.counts.iterations += 1;
         if size <= options.tolerance {
-            on.data.pattern.scatter(&direction.step, 1.0, u);
+            potential.data.pattern.scatter(&direction.step, 1.0, u);
             return Ok(true);
         }
-        let short = size < SHORT * on.data.size;
+        let short = size < SHORT * potential.data.size;
         let globalisation = if short { Globalisation::LineSearch } else { state.globalisation };
-        let slides = globalisation == Globalisation::LineSearch && state.slides(size);
+        let slides = globalisation == Globalisation::LineSearch && state.descends_negative_curvature(size);
         if !fresh && !slides && state.needs_refactorisation(size) {
             state.refactorise = true;
             return Ok(false);
         }
         state.previous = Some(u.to_vec());
-        match self.step(on, u, &direction, (state.energy, globalisation)) {
+        match self.take_step(potential, u, &direction, (state.energy, globalisation)) {
             Some((next, whole)) => {
                 state.energy = next;
                 // A shortened step means that the factor describes the energy badly here.
                 state.refactorise = !whole;
                 state.count_step(size);
-                if let Some(lowest) = state.watch(u) {
+                if let Some(lowest) = state.watch_energy(u) {
                     u.copy_from_slice(&lowest);
-                    state.energy = on.energy(u, &mut self.gradient);
+                    state.energy = potential.energy(u, &mut self.gradient);
                 }
             }
             None if !fresh => state.refactorise = true,
@@ -178,15 +178,15 @@ impl Newton {
     /// `predicted`: `u` is a predicted shape and `previous` an equilibrium near it.
     fn refactorise(
         &mut self,
-        on: &Potential,
+        potential: &Potential,
         u: &[f64],
         previous: Option<&[f64]>,
         predicted: bool,
     ) -> Result<bool, NonConvergence> {
-        let probe = on.data.pattern.gather(&self.gradient);
+        let probe = potential.data.pattern.gather(&self.gradient);
         // Each alternative keeps less of the second derivative. The last one is always positive definite, so that a
         // body in snap-through, whose exact tangent is indefinite, still has a direction of descent.
-        let all = [
+        let kinds = [
             HessianKind::FormerStress,
             HessianKind::MixedPoint,
             HessianKind::Exact,
@@ -194,10 +194,10 @@ impl Newton {
             HessianKind::Convex,
         ];
         let first = if previous.is_none() { 2 } else { usize::from(!predicted) };
-        for &kind in &all[first..] {
-            on.hessian(u, previous.unwrap_or(&[]), kind, &mut self.tangent);
-            self.rank_one = RankOneUpdates::new(on.rank_one_terms(u));
-            match self.factorise(on, u, &probe) {
+        for &kind in &kinds[first..] {
+            potential.hessian(u, previous.unwrap_or(&[]), kind, &mut self.tangent);
+            self.rank_one = RankOneUpdates::new(potential.rank_one_terms(u));
+            match self.factorise(potential, u, &probe) {
                 Ok(()) => return Ok(!matches!(kind, HessianKind::ConvexElastic | HessianKind::Convex)),
                 Err(FactorError::Inaccurate { residual }) => return Err(NonConvergence::InaccurateFactor { residual }),
                 Err(_) => {}
@@ -210,13 +210,13 @@ impl Newton {
     ///
     /// # Errors
     /// [`FactorError`]
-    pub fn factorise(&mut self, on: &Potential, u: &[f64], probe: &[f64]) -> Result<(), FactorError> {
-        let symbolic = &on.data.symbolic;
+    pub fn factorise(&mut self, potential: &Potential, u: &[f64], probe: &[f64]) -> Result<(), FactorError> {
+        let symbolic = &potential.data.symbolic;
         self.history.clear();
         self.rotation = None;
         self.factorised_at.copy_from_slice(u);
-        self.factor.compute(symbolic, &on.data.pattern, &self.tangent, probe)?;
-        self.factor_rank_one = RankOneUpdates::new(on.rank_one_terms(u));
+        self.factor.compute(symbolic, &potential.data.pattern, &self.tangent, probe)?;
+        self.factor_rank_one = RankOneUpdates::new(potential.rank_one_terms(u));
         let factor = &mut self.factor;
         if self.factor_rank_one.prepare(|x| factor.solve(symbolic, x)) {
             Ok(())
@@ -227,10 +227,10 @@ impl Newton {
 
     /// Rotates the lagged factor to `u`.
     // The stiffness of a law that is not objective does not turn with the body.
-    pub(crate) fn rotate_factor_to(&mut self, on: &Potential, u: &[f64]) {
-        let turns = on.elastic.iter().any(|is| is.material.is_objective());
-        let between = || NodalRotations::between(&on.body(), &self.factorised_at, u);
-        self.rotation = (self.is_ready() && turns).then(between);
+    pub(crate) fn rotate_factor_to(&mut self, potential: &Potential, u: &[f64]) {
+        let turns = potential.elastic.iter().any(|elastic| elastic.material.is_objective());
+        let rotation_between = || NodalRotations::between(&potential.body(), &self.factorised_at, u);
+        self.rotation = (self.is_ready() && turns).then(rotation_between);
     }
 
     /// x ← H x by the rotated factor alone, in elimination order: the preconditioner of all solves.
@@ -242,10 +242,10 @@ impl Newton {
         self.rotation.iter().for_each(|rotation| rotation.apply(dofs, false, x));
     }
 
-    fn direction(&mut self, on: &Potential) -> Result<Direction, NonConvergence> {
-        let mut step = on.data.pattern.gather(&self.gradient);
+    fn newton_direction(&mut self, potential: &Potential) -> Result<Direction, NonConvergence> {
+        let mut step = potential.data.pattern.gather(&self.gradient);
         let history = std::mem::take(&mut self.history);
-        history.apply(&mut step, |x| self.solve(on.data, x));
+        history.apply(&mut step, |x| self.solve(potential.data, x));
         self.history = history;
         step.iter_mut().for_each(|entry| *entry = -*entry);
         if !step.iter().all(|entry| entry.is_finite()) {
@@ -257,23 +257,23 @@ impl Newton {
 
     /// Goes along `direction` from the energy `start`: with a line search as far as the energy falls, with full steps
     /// as far as no element is inverted. Returns the energy there, and whether it was the whole step.
-    fn step(
+    fn take_step(
         &mut self,
-        on: &Potential,
+        potential: &Potential,
         u: &mut [f64],
         direction: &Direction,
         (start, globalisation): (Energy, Globalisation),
     ) -> Option<(Energy, bool)> {
-        let pattern = &on.data.pattern;
+        let pattern = &potential.data.pattern;
         let old = pattern.gather(&self.gradient);
         let search = LineSearch { start, slope: dot(&old, &direction.step) };
-        let mut part = (MAX_STEP * on.data.size / direction.size).min(1.0);
-        part *= on.admissible_part(u, &pattern.scattered(&direction.step, part, u.len()));
+        let mut part = (MAX_STEP * potential.data.size / direction.size).min(1.0);
+        part *= potential.admissible_part(u, &pattern.scattered(&direction.step, part, u.len()));
         let mut trial = u.to_vec();
         for _ in 0..if globalisation == Globalisation::LineSearch { MAX_TRIALS } else { MAX_HALVINGS } {
             trial.copy_from_slice(u);
             pattern.scatter(&direction.step, part, &mut trial);
-            let energy = on.energy(&trial, &mut self.trial_gradient);
+            let energy = potential.energy(&trial, &mut self.trial_gradient);
             let new = pattern.gather(&self.trial_gradient);
             let accepted = match globalisation {
                 Globalisation::LineSearch => search.accepts(part, energy, dot(&new, &direction.step)),

@@ -50,7 +50,7 @@ pub(crate) struct NewtonCounts {
 
 impl NewtonCounts {
     /// What was counted after `earlier`.
-    pub(crate) fn since(self, earlier: Self) -> Self {
+    pub(crate) fn counted_since(self, earlier: Self) -> Self {
         Self {
             iterations: self.iterations - earlier.iterations,
             factorisations: self.factorisations - earlier.factorisations,
@@ -59,7 +59,7 @@ impl NewtonCounts {
     }
 
     /// Adds the counts of a further solve.
-    pub(crate) fn add(&mut self, further: Self) {
+    pub(crate) fn add_counts(&mut self, further: Self) {
         self.iterations += further.iterations;
         self.factorisations += further.factorisations;
         self.indefinite += further.indefinite;
@@ -190,7 +190,7 @@ impl IterationState {
 
     /// Watches the energy of full steps; `u` is where the last one led. Where three in a row have not lowered it, returns the displacement of
     /// the lowest energy, from which a line search goes on.
-    pub(crate) fn watch(&mut self, u: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn watch_energy(&mut self, u: &[f64]) -> Option<Vec<f64>> {
         if self.globalisation == Globalisation::LineSearch {
             return None;
         }
@@ -207,16 +207,16 @@ impl IterationState {
 
     /// Whether a step of `size` goes on down a direction of negative curvature: the convex part of the tangent is too stiff along it, and the
     /// updates of its factor lengthen the steps.
-    pub(crate) fn slides(&self, size: Metre) -> bool {
+    pub(crate) fn descends_negative_curvature(&self, size: Metre) -> bool {
         self.indefinite > 0 && size > self.last_step
     }
 
     /// # Errors
     /// [`NonConvergence::LossOfStability`] when the iteration is far from every shape that could be in equilibrium.
     pub(crate) fn check_stability(&self, u: &[f64], size: Metre) -> Result<(), NonConvergence> {
-        let moved = sparse::max_abs(u);
-        if self.indefinite >= MAX_INDEFINITE || moved > MAX_DISPLACEMENT * size {
-            return Err(NonConvergence::LossOfStability { times: self.indefinite, moved });
+        let largest_displacement = sparse::max_abs(u);
+        if self.indefinite >= MAX_INDEFINITE || largest_displacement > MAX_DISPLACEMENT * size {
+            return Err(NonConvergence::LossOfStability { times: self.indefinite, moved: largest_displacement });
         }
         Ok(())
     }
@@ -244,7 +244,7 @@ mod tests {
         let mut state = limited_by(Globalisation::FullStep);
         let mut step = |value: f64, at: f64| {
             state.energy.value = value;
-            state.watch(&[at])
+            state.watch_energy(&[at])
         };
         // the first step may rise: a sheet that rotates stretches
         assert_eq!([step(5.0, 1.0), step(2.0, 2.0), step(3.0, 3.0), step(2.5, 4.0)], [None, None, None, None]);
@@ -259,10 +259,10 @@ mod tests {
         let mut state = limited_by(Globalisation::FullStep);
         state.count_factorisation(true);
         state.count_step(1e-5);
-        assert!(!state.slides(2e-5), "the tangent was exact");
+        assert!(!state.descends_negative_curvature(2e-5), "the tangent was exact");
         state.count_factorisation(false);
         state.count_step(1e-5);
-        assert!(state.slides(2e-5) && !state.slides(0.5e-5));
+        assert!(state.descends_negative_curvature(2e-5) && !state.descends_negative_curvature(0.5e-5));
     }
 
     #[test]

@@ -80,7 +80,7 @@ impl Potential<'_> {
     pub fn energy(&self, u: &[f64], gradient: &mut [f64]) -> Energy {
         gradient.fill(0.0);
         let elastic = self.body().energy(u, gradient);
-        let mut energy = Energy { value: elastic, size: elastic.abs() + self.rounding() };
+        let mut energy = Energy { value: elastic, size: elastic.abs() + self.rounding_size() };
         let mut add = |part: f64| energy = Energy { value: energy.value + part, size: energy.size + part.abs() };
         for gas in self.gases() {
             let part = gas.potential(u);
@@ -102,7 +102,7 @@ impl Potential<'_> {
 
     /// Rounding of the elastic energy, for `Energy::size`: laws that subtract the value at rest (F : F − 3) leave an
     /// error of 1e-15 of moduli times volume, however small the strain.
-    fn rounding(&self) -> f64 {
+    fn rounding_size(&self) -> f64 {
         let each = self.elastic.iter().zip(&self.data.volumes);
         1e-2 * each.map(|(is, volume)| volume * (is.moduli.mu + is.moduli.lambda.abs())).sum::<f64>()
     }

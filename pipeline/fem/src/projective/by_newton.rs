@@ -27,7 +27,7 @@ impl Projective {
     ) -> Result<(State, usize), ProjectiveError> {
         let (inertia, mut u) = self.start_step(state, pressures, forces)?;
         let SolverState { inputs, data, newton, .. } = &mut self.state;
-        let on = potential(inputs, data, pressures, inertia.as_ref());
+        let potential = potential(inputs, data, pressures, inertia.as_ref());
         let options = NewtonOptions {
             tolerance: TOLERANCE * data.size,
             max_iterations: MAX_ITERATIONS,
@@ -37,7 +37,7 @@ impl Projective {
             predicted: false,
             globalisation: Globalisation::LineSearch,
         };
-        let counts = newton.minimise(&on, &mut u, None, &options)?;
+        let counts = newton.minimise(&potential, &mut u, None, &options)?;
         Ok((self.end_state(state, u), counts.factorisations))
     }
 
@@ -53,10 +53,10 @@ impl Projective {
     ) -> Result<(Vec<f64>, usize), ProjectiveError> {
         let (inertia, b) = self.start_adjoint(displacement, pressures, b)?;
         let SolverState { inputs, data, newton, .. } = &mut self.state;
-        let on = potential(inputs, data, pressures, inertia.as_ref());
-        newton.linearise(&on, displacement);
+        let potential = potential(inputs, data, pressures, inertia.as_ref());
+        newton.linearise(&potential, displacement);
         let (z, iterations) = newton
-            .tangent_solve(&on, displacement, &b, ADJOINT)
+            .tangent_solve(&potential, displacement, &b, ADJOINT)
             .ok_or(ProjectiveError::NotStable { iterations: ADJOINT.max_iterations })?;
         Ok((data.pattern.scattered(&z, 1.0, displacement.len()), iterations))
     }

@@ -37,29 +37,31 @@ impl GlobalStep {
     pub fn new(data: &SystemData, elastic: &[Elastic], rate: f64) -> Result<Self, ProjectiveError> {
         let constrained =
             |axis: usize| -> Vec<bool> { data.pattern.dof.iter().map(|dof| dof[axis] == CONSTRAINED).collect() };
-        let mut found: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
+        let mut groups: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
         for axis in 0..3 {
             let constrained = constrained(axis);
-            match found.iter_mut().find(|(other, _)| *other == constrained) {
+            match groups.iter_mut().find(|(other, _)| *other == constrained) {
                 Some((_, axes)) => axes.push(axis),
                 None if constrained.iter().all(|constrained| *constrained) => {}
-                None => found.push((constrained, vec![axis])),
+                None => groups.push((constrained, vec![axis])),
             }
         }
-        let on = GlobalMatrix { data, elastic, rate };
+        let assembly = GlobalMatrix { data, elastic, rate };
         let factorised = |(constrained, axes): &(Vec<bool>, Vec<usize>)| {
-            on.factorised(constrained, axes).map_err(|cause| ProjectiveError::Factor { axis: axes[0], cause })
+            assembly
+                .factorised_matrix(constrained, axes)
+                .map_err(|cause| ProjectiveError::Factor { axis: axes[0], cause })
         };
-        Ok(Self { matrices: found.iter().map(factorised).collect::<Result<_, _>>()? })
+        Ok(Self { matrices: groups.iter().map(factorised).collect::<Result<_, _>>()? })
     }
 
     /// x ← A⁻¹ x, in the body's elimination order.
     pub fn solve(&mut self, x: &mut [f64]) {
         for Scalar { symbolic, factor, axes } in &mut self.matrices {
             for rows in axes {
-                let mut along: Vec<f64> = rows.iter().map(|&at| x[at as usize]).collect();
-                factor.solve(symbolic, &mut along);
-                rows.iter().zip(along).for_each(|(&at, value)| x[at as usize] = value);
+                let mut right_side: Vec<f64> = rows.iter().map(|&at| x[at as usize]).collect();
+                factor.solve(symbolic, &mut right_side);
+                rows.iter().zip(right_side).for_each(|(&at, value)| x[at as usize] = value);
             }
         }
     }
@@ -75,15 +77,16 @@ struct GlobalMatrix<'a> {
 
 impl GlobalMatrix<'_> {
     /// The matrix between the nodes that are not `constrained`, in the pattern of a body that moves along x alone.
-    fn factorised(&self, constrained: &[bool], axes: &[usize]) -> Result<Scalar, FactorError> {
+    fn factorised_matrix(&self, constrained: &[bool], axes: &[usize]) -> Result<Scalar, FactorError> {
         let (data, mesh) = (self.data, &self.data.mesh);
         let constrained: Vec<[bool; 3]> = constrained.iter().map(|&constrained| [constrained, true, true]).collect();
         let pattern = Pattern::new(&mesh.nodes, &mesh.graph(), &constrained);
         let block_positions = block_positions(mesh, &pattern);
-        let on = MassAssembly { mesh, pattern: &pattern, block_positions: &block_positions, products: &data.products };
+        let assembly =
+            MassAssembly { mesh, pattern: &pattern, block_positions: &block_positions, products: &data.products };
         let mut values = vec![0.0; pattern.entries()];
         let densities: Vec<f64> = data.regions.iter().map(|region| region.density).collect();
-        Mass::new(&on, &densities, &data.options.masses).add_to(self.rate, &mut values);
+        Mass::new(&assembly, &densities, &data.options.masses).add_to(self.rate, &mut values);
         self.add_projections(&pattern, &block_positions, &mut values);
         let symbolic = Symbolic::new(&pattern)?;
         let mut factor = Factor::new(&symbolic);

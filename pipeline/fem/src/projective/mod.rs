@@ -75,7 +75,7 @@ impl Projective {
             return Err(SolveError::Setting { what, value: step, range }.into());
         }
         let state = SolverState::new(Arc::clone(data));
-        let global = GlobalStep::new(data, &state.inputs.elastic, rate(step))?;
+        let global = GlobalStep::new(data, &state.inputs.elastic, inertia_rate(step))?;
         Ok(Self { state, global, step })
     }
 
@@ -93,8 +93,8 @@ impl Projective {
     ) -> Result<(State, usize), ProjectiveError> {
         let (inertia, mut u) = self.start_step(state, pressures, forces)?;
         let potential = potential(&self.state.inputs, &self.state.data, pressures, inertia.as_ref());
-        let from = self.state.with_constraints(&state.displacement);
-        let iterations = QuasiNewton::new(&potential, &mut self.global).minimise(&mut u, &from, settings)?;
+        let start = self.state.with_constraints(&state.displacement);
+        let iterations = QuasiNewton::new(&potential, &mut self.global).minimise(&mut u, &start, settings)?;
         Ok((self.end_state(state, u), iterations))
     }
 
@@ -139,7 +139,7 @@ impl Projective {
         let extrapolated: Vec<f64> =
             state.displacement.iter().zip(&state.velocity).map(|(u, v)| u + self.step * v).collect();
         let centre = self.state.data.pattern.gather(&extrapolated);
-        let inertia = Inertia { rate: rate(self.step), centre, history: Vec::new() };
+        let inertia = Inertia { rate: inertia_rate(self.step), centre, history: Vec::new() };
         Ok((Some(inertia), self.state.with_constraints(&extrapolated)))
     }
 
@@ -154,7 +154,7 @@ impl Projective {
         self.state.check_pressures(pressures)?;
         self.state.check_field("the right-hand side", b)?;
         let free = self.state.data.pattern.gather(b);
-        let inertia = Inertia { rate: rate(self.step), centre: vec![0.0; free.len()], history: Vec::new() };
+        let inertia = Inertia { rate: inertia_rate(self.step), centre: vec![0.0; free.len()], history: Vec::new() };
         Ok((self.step.is_finite().then_some(inertia), free))
     }
 
@@ -174,7 +174,7 @@ impl Projective {
 }
 
 /// c = 1/h², 1/s².
-fn rate(step: Second) -> f64 {
+fn inertia_rate(step: Second) -> f64 {
     1.0 / (step * step)
 }
 

@@ -29,41 +29,41 @@ impl<'a> QuasiNewton<'a> {
         Self { on, global, history: LbfgsHistory::default() }
     }
 
-    /// Moves `u` (3 entries per node, m) to the minimum. The residual is relative to the forces at `from`; when `u` is
-    /// inverted, the iteration starts at `from`. Returns the number of iterations.
+    /// Moves `u` (3 entries per node, m) to the minimum. The residual is relative to the forces at `start`; when `u` is
+    /// inverted, the iteration starts at `start`. Returns the number of iterations.
     ///
     /// # Errors
     /// [`ProjectiveError`]
     pub fn minimise(
         mut self,
         u: &mut Vec<f64>,
-        from: &[f64],
+        start: &[f64],
         settings: &ProjectiveSettings,
     ) -> Result<usize, ProjectiveError> {
-        let size = size_of_forces(self.on, from);
-        let mut here = self.at(u);
-        if !here.energy.value.is_finite() {
-            u.copy_from_slice(from);
-            here = self.at(u);
+        let size = size_of_forces(self.on, start);
+        let mut iterate = self.iterate_at(u);
+        if !iterate.energy.value.is_finite() {
+            u.copy_from_slice(start);
+            iterate = self.iterate_at(u);
         }
-        if !here.energy.value.is_finite() {
+        if !iterate.energy.value.is_finite() {
             return Err(ProjectiveError::InvertedElement);
         }
         for iterations in 0..=settings.max_iterations {
-            let residual = dot(&here.gradient, &here.gradient).sqrt();
+            let residual = dot(&iterate.gradient, &iterate.gradient).sqrt();
             if residual <= settings.tolerance * size {
                 return Ok(iterations);
             }
-            if self.step(u, &mut here) {
+            if self.take_step(u, &mut iterate) {
                 continue;
             }
             // The history may mislead; the plain global step is always a direction of descent.
             self.history.clear();
-            if !self.step(u, &mut here) {
+            if !self.take_step(u, &mut iterate) {
                 return Err(ProjectiveError::LineSearchFailed { iterations, residual: residual / size });
             }
         }
-        let residual = dot(&here.gradient, &here.gradient).sqrt() / size;
+        let residual = dot(&iterate.gradient, &iterate.gradient).sqrt() / size;
         Err(ProjectiveError::IterationLimit {
             residual,
             iterations: settings.max_iterations,
@@ -72,18 +72,18 @@ impl<'a> QuasiNewton<'a> {
     }
 
     /// The local step: the projections of all elements enter through the gradient of the energy.
-    fn at(&self, u: &[f64]) -> Iterate {
+    fn iterate_at(&self, u: &[f64]) -> Iterate {
         let mut gradient = vec![0.0; u.len()];
         let energy = self.on.energy(u, &mut gradient);
         Iterate { energy, gradient: self.on.data.pattern.gather(&gradient) }
     }
 
     /// The global step with a line search; whether it lowered the energy.
-    fn step(&mut self, u: &mut Vec<f64>, here: &mut Iterate) -> bool {
-        let mut direction = here.gradient.clone();
+    fn take_step(&mut self, u: &mut Vec<f64>, iterate: &mut Iterate) -> bool {
+        let mut direction = iterate.gradient.clone();
         self.history.apply(&mut direction, |x| self.global.solve(x));
         direction.iter_mut().for_each(|entry| *entry = -*entry);
-        let search = LineSearch { start: here.energy, slope: dot(&here.gradient, &direction) };
+        let search = LineSearch { start: iterate.energy, slope: dot(&iterate.gradient, &direction) };
         if search.slope.is_nan() || search.slope >= 0.0 {
             return false;
         }
@@ -91,15 +91,15 @@ impl<'a> QuasiNewton<'a> {
         for _ in 0..MAX_TRIALS {
             let mut trial = u.clone();
             self.on.data.pattern.scatter(&direction, part, &mut trial);
-            let there = self.at(&trial);
-            if search.accepts(part, there.energy, dot(&there.gradient, &direction)) {
+            let next = self.iterate_at(&trial);
+            if search.accepts(part, next.energy, dot(&next.gradient, &direction)) {
                 direction.iter_mut().for_each(|entry| *entry *= part);
-                let change = there.gradient.iter().zip(&here.gradient).map(|(new, old)| new - old).collect();
+                let change = next.gradient.iter().zip(&iterate.gradient).map(|(new, old)| new - old).collect();
                 self.history.push(direction, change);
-                (*u, *here) = (trial, there);
+                (*u, *iterate) = (trial, next);
                 return true;
             }
-            part *= search.shorten(part, there.energy);
+            part *= search.shorten(part, next.energy);
         }
         false
     }

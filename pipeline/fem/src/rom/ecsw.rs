@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 use rayon::prelude::*;
 use si::CubicMetre;
 
-use super::elastic_forces::{ModeGradient, Points, deformation};
+use super::elastic_forces::{ModeGradient, Points, mode_deformation};
 use super::model::Sampled;
 use crate::assembly::elastic::Elastic;
 use crate::inputs::Inputs;
@@ -32,7 +32,7 @@ const CHUNK: usize = 512;
 pub(super) type TrainingShape = (DVector<f64>, Vec<Moduli>);
 
 /// The sampled quadrature points of each region: number in the full model, and weight, m³.
-pub(super) fn sample(
+pub(super) fn sample_points(
     system: &SystemData,
     modes: &DMatrix<f64>,
     snapshots: &[TrainingShape],
@@ -50,7 +50,7 @@ pub(super) fn sample(
             shapes: shapes.collect(),
             snapshots: snapshots.len(),
         };
-        training.sample(&points_of_region(system, region), tolerance)
+        training.sample_region(&points_of_region(system, region), tolerance)
     };
     elastic.iter().enumerate().map(sample).collect()
 }
@@ -67,8 +67,8 @@ struct Training<'a> {
 
 impl Training<'_> {
     /// Of the points `numbers` of the region those that are sampled, and their weights, m³.
-    fn sample(&self, numbers: &[u32], tolerance: f64) -> Vec<(u32, CubicMetre)> {
-        let sums = self.sums(numbers);
+    fn sample_region(&self, numbers: &[u32], tolerance: f64) -> Vec<(u32, CubicMetre)> {
+        let sums = self.virtual_work_sums(numbers);
         let row_weights = self.row_weights(&sums);
         // one in so many, prime to the number of points in an element so that each of its places is among them
         let points_each = self.system.reference.points;
@@ -92,10 +92,10 @@ impl Training<'_> {
     fn virtual_work(&self, point: u32) -> Vec<f64> {
         let (weight, gradients) =
             (self.system.reference.weights[point as usize], mode_gradient(self.system, point, self.modes));
-        let [shear, bulk] = shares(self.system, point);
-        let mut work = Vec::with_capacity(self.rows());
+        let [shear, bulk] = point_shares(self.system, point);
+        let mut work = Vec::with_capacity(self.row_count());
         for (q, moduli) in &self.shapes {
-            let (_, stress) = self.material.stress(&deformation(&gradients, q), moduli.shared(shear, bulk));
+            let (_, stress) = self.material.stress(&mode_deformation(&gradients, q), moduli.shared(shear, bulk));
             let stress = SVector::<f64, 9>::from_column_slice(stress.as_slice());
             work.extend((gradients.tr_mul(&stress) * weight).iter());
         }
@@ -104,21 +104,21 @@ impl Training<'_> {
         work
     }
 
-    fn rows(&self) -> usize {
+    fn row_count(&self) -> usize {
         self.shapes.len() * self.modes.ncols() + 1
     }
 
     /// The virtual work of all points; in the same order whatever the number of threads.
-    fn sums(&self, numbers: &[u32]) -> Vec<f64> {
+    fn virtual_work_sums(&self, numbers: &[u32]) -> Vec<f64> {
         let of_chunk = |chunk: &[u32]| {
-            let mut sums = vec![0.0; self.rows()];
+            let mut sums = vec![0.0; self.row_count()];
             for &point in chunk {
                 add(&mut sums, 1.0, &self.virtual_work(point));
             }
             sums
         };
         let parts: Vec<Vec<f64>> = numbers.par_chunks(CHUNK).map(of_chunk).collect();
-        let mut sums = vec![0.0; self.rows()];
+        let mut sums = vec![0.0; self.row_count()];
         parts.iter().for_each(|part| add(&mut sums, 1.0, part));
         sums
     }
@@ -141,13 +141,17 @@ impl Training<'_> {
 }
 
 /// The shares of the μ and λ parts of the energy that a quadrature point of the full model integrates.
-fn shares(system: &SystemData, point: u32) -> [f64; 2] {
+fn point_shares(system: &SystemData, point: u32) -> [f64; 2] {
     system.reference.shares[point as usize % system.reference.points]
 }
 
 /// The sampled points with the gradients of the modes, region after region, those of equal shares together.
 // A group has one law with one set of moduli, as a region of a model without shares: what steps a reduced model need not know of shares.
-pub(super) fn points(system: &SystemData, modes: &DMatrix<f64>, sampled: &[Vec<(u32, CubicMetre)>]) -> Vec<Points> {
+pub(super) fn point_groups(
+    system: &SystemData,
+    modes: &DMatrix<f64>,
+    sampled: &[Vec<(u32, CubicMetre)>],
+) -> Vec<Points> {
     let elastic = Inputs::new(system).elastic;
     let mut kinds: Vec<[f64; 2]> = Vec::new();
     for kind in &system.reference.shares {
@@ -156,10 +160,10 @@ pub(super) fn points(system: &SystemData, modes: &DMatrix<f64>, sampled: &[Vec<(
         }
     }
     let group = |region: usize, kind: [f64; 2]| {
-        let inside = sampled[region].iter().filter(|(point, _)| shares(system, *point) == kind);
-        let at: Vec<(f64, ModeGradient)> =
+        let inside = sampled[region].iter().filter(|(point, _)| point_shares(system, *point) == kind);
+        let sampled_gradients: Vec<(f64, ModeGradient)> =
             inside.map(|&(point, weight)| (weight, mode_gradient(system, point, modes))).collect();
-        Points::new((region, elastic[region]), kind, &at, modes.ncols())
+        Points::new((region, elastic[region]), kind, &sampled_gradients, modes.ncols())
     };
     (0..sampled.len())
         .flat_map(|region| kinds.iter().map(move |kind| (region, *kind)))
@@ -198,6 +202,6 @@ fn mode_gradient(system: &SystemData, point: u32, modes: &DMatrix<f64>) -> ModeG
 // Without them nothing determines the stiffness of coordinates that the snapshots excite little.
 fn perturbations(snapshots: &[TrainingShape]) -> Vec<DVector<f64>> {
     let r = snapshots.first().map_or(0, |(q, _)| q.len());
-    let far = |i: usize| snapshots.iter().fold(0.0, |most: f64, (q, _)| most.max(q[i].abs()));
+    let far = |i: usize| snapshots.iter().fold(0.0, |greatest: f64, (q, _)| greatest.max(q[i].abs()));
     (0..r).map(|i| DVector::from_fn(r, |k, _| if k == i { far(i) } else { 0.0 })).collect()
 }

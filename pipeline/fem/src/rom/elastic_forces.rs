@@ -79,18 +79,18 @@ impl Points {
 
     /// Calls `visit` with F of each point.
     pub(super) fn for_each_deformation(&self, q: &DVector<f64>, mut visit: impl FnMut(&Matrix3<f64>)) {
-        self.each().for_each(|(_, gradients)| visit(&gradient(gradients, q)));
+        self.weighted_gradients().for_each(|(_, gradients)| visit(&deformation_at_point(gradients, q)));
     }
 
     /// Weight and Gᵀ of each point, 9 columns of r one below the other.
-    fn each(&self) -> impl Iterator<Item = (f64, &[f64])> {
+    fn weighted_gradients(&self) -> impl Iterator<Item = (f64, &[f64])> {
         self.weights.iter().copied().zip(self.gradients.as_slice().chunks_exact(9 * self.gradients.nrows()))
     }
 
     /// Adds f, J.
     pub(super) fn add_forces(&self, q: &DVector<f64>, acting: &ActingRegion, forces: &mut DVector<f64>) {
-        for (point, (weight, gradients)) in self.each().enumerate() {
-            let now = gradient(gradients, q);
+        for (point, (weight, gradients)) in self.weighted_gradients().enumerate() {
+            let now = deformation_at_point(gradients, q);
             let (_, mut stress) = self.elastic.material.stress(&now, acting.moduli);
             acting.held.get(point).iter().for_each(|held| stress += now * matrix(held));
             add_point_force(&(stress * weight), gradients, forces.as_mut_slice());
@@ -113,16 +113,16 @@ impl Points {
         };
         let r = q.len();
         let (mut half, mut image) = (vec![0.0; r * r], vec![0.0; 9 * r * BLOCK]);
-        let all: Vec<(usize, (f64, &[f64]))> = self.each().enumerate().collect();
-        for (block, gradients) in all.chunks(BLOCK).zip(self.gradients.as_slice().chunks(9 * r * BLOCK)) {
+        let points: Vec<(usize, (f64, &[f64]))> = self.weighted_gradients().enumerate().collect();
+        for (block, gradients) in points.chunks(BLOCK).zip(self.gradients.as_slice().chunks(9 * r * BLOCK)) {
             let image = &mut image[..gradients.len()];
             for ((point, (weight, gradients)), image) in block.iter().zip(image.chunks_exact_mut(9 * r)) {
-                let now = gradient(gradients, q);
+                let now = deformation_at_point(gradients, q);
                 let held = acting.held.get(*point).map(matrix);
-                let before = |_: &[f64]| gradient(gradients, previous);
+                let previous_gradient = |_: &[f64]| deformation_at_point(gradients, previous);
                 let (material, moduli) = (self.elastic.material, acting.moduli);
                 let state = PointState { material, moduli, F: &now, held: held.as_ref() };
-                let tangent = kind.tangent(&state, before);
+                let tangent = kind.tangent(&state, previous_gradient);
                 multiply_tangent(&(tangent * *weight), gradients, image);
             }
             add_lower(gradients, image, &mut half);
@@ -139,9 +139,9 @@ const ROWS: usize = 8;
 /// `image` = Gᵀ C of one point; both 9 columns of r, one below the other.
 fn multiply_tangent(tangent: &Tangent, gradients: &[f64], image: &mut [f64]) {
     let r = gradients.len() / 9;
-    let whole = r - r % ROWS;
-    (0..whole).step_by(ROWS).for_each(|first| multiply_tangent_rows::<ROWS>(tangent, gradients, first, image));
-    (whole..r).for_each(|row| multiply_tangent_rows::<1>(tangent, gradients, row, image));
+    let whole_rows = r - r % ROWS;
+    (0..whole_rows).step_by(ROWS).for_each(|first| multiply_tangent_rows::<ROWS>(tangent, gradients, first, image));
+    (whole_rows..r).for_each(|row| multiply_tangent_rows::<1>(tangent, gradients, row, image));
 }
 
 /// N rows of the same, from row `first` on: read once, written once.
@@ -171,9 +171,9 @@ fn add_lower(A: &[f64], B: &[f64], sum: &mut [f64]) {
 #[allow(non_snake_case)]
 fn add_point_force(P: &Matrix3<f64>, gradients: &[f64], forces: &mut [f64]) {
     let r = forces.len();
-    let whole = r - r % ROWS;
-    (0..whole).step_by(ROWS).for_each(|first| add_point_force_rows::<ROWS>(P, gradients, first, forces));
-    (whole..r).for_each(|row| add_point_force_rows::<1>(P, gradients, row, forces));
+    let whole_rows = r - r % ROWS;
+    (0..whole_rows).step_by(ROWS).for_each(|first| add_point_force_rows::<ROWS>(P, gradients, first, forces));
+    (whole_rows..r).for_each(|row| add_point_force_rows::<1>(P, gradients, row, forces));
 }
 
 /// N rows of the same, from row `first` on.
@@ -192,25 +192,26 @@ fn add_point_force_rows<const N: usize>(P: &Matrix3<f64>, gradients: &[f64], fir
 const LANES: usize = 4;
 
 /// F = I + G q of one point, whose Gᵀ is 9 columns of r, one below the other.
-fn gradient(gradients: &[f64], q: &DVector<f64>) -> Matrix3<f64> {
+fn deformation_at_point(gradients: &[f64], q: &DVector<f64>) -> Matrix3<f64> {
     let (r, q) = (q.len(), q.as_slice());
     let mut sums = [[0.0; LANES]; 9];
-    let whole = r - r % LANES;
-    for first in (0..whole).step_by(LANES) {
+    let whole_lanes = r - r % LANES;
+    for first in (0..whole_lanes).step_by(LANES) {
         let part = &q[first..first + LANES];
         for (sums, column) in sums.iter_mut().zip(gradients.chunks_exact(r)) {
             let gradients = &column[first..first + LANES];
             (0..LANES).for_each(|i| sums[i] += gradients[i] * part[i]);
         }
     }
-    let rest = |column: &[f64]| column[whole..].iter().zip(&q[whole..]).map(|(a, b)| a * b).sum::<f64>();
+    let remainder =
+        |column: &[f64]| column[whole_lanes..].iter().zip(&q[whole_lanes..]).map(|(a, b)| a * b).sum::<f64>();
     let change =
-        sums.iter().zip(gradients.chunks_exact(r)).map(|(sums, column)| sums.iter().sum::<f64>() + rest(column));
+        sums.iter().zip(gradients.chunks_exact(r)).map(|(sums, column)| sums.iter().sum::<f64>() + remainder(column));
     Matrix3::from_iterator(change) + Matrix3::identity()
 }
 
 /// F = I + G q
 #[allow(non_snake_case)]
-pub(super) fn deformation(G: &ModeGradient, q: &DVector<f64>) -> Matrix3<f64> {
+pub(super) fn mode_deformation(G: &ModeGradient, q: &DVector<f64>) -> Matrix3<f64> {
     Matrix3::from_column_slice((G * q).as_slice()) + Matrix3::identity()
 }

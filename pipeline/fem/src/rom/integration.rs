@@ -14,7 +14,7 @@ use super::motion::{Actuation, ReducedMotion};
 use super::relaxation::ReducedHistory;
 use super::step::{ExternalForce, LaggedTangent, Step, StepState, no_convergence};
 use crate::dynamics::settings::{self, DynamicSettings};
-use crate::dynamics::stencil::{Stencil, extrapolation};
+use crate::dynamics::stencil::{Stencil, extrapolation_weights};
 use crate::solve_error::SolveError;
 use materials::step::RegionStep;
 
@@ -60,7 +60,7 @@ impl ReducedModel {
         times: &[Second],
         observe: &mut Observer<'_>,
     ) -> Result<(), ReducedError> {
-        settings::check(motion.settings)?;
+        settings::check_settings(motion.settings)?;
         let mut run = Run::from_rest(self, motion)?;
         for &time in times {
             // The last end is the next one. Only the step after a halved one may be more than twice as long as the one before: a single such
@@ -101,7 +101,7 @@ impl<'a> Run<'a> {
         let past = Past::at_rest(model.coordinates());
         let length = motion.settings.step;
         let regions = model.region_steps(motion, length)?;
-        let (law, history) = (bare(&regions), model.relaxed(&regions, &past.coordinates[0]));
+        let (law, history) = (without_history(&regions), model.relaxed(&regions, &past.coordinates[0]));
         Ok(Self { model, motion, past, regions, length, law, history, tangent: None })
     }
 
@@ -114,7 +114,7 @@ impl<'a> Run<'a> {
         let ReducedMotion { settings, actuation, .. } = *self.motion;
         self.set_length(end)?;
         let Self { model, past, regions, tangent, .. } = self;
-        let stencil = past.stencil(settings, end);
+        let stencil = past.stencil_to(settings, end);
         let Actuation { pressures } = actuation(end);
         let acting = model.acting(regions, 1.0 + settings.stiffness_damping * stencil.gamma, &self.history);
         let equations = Step {
@@ -125,7 +125,7 @@ impl<'a> Run<'a> {
             acting: &acting,
             external: &*external,
             time: end,
-            past: past.history(&stencil),
+            past: past.weighted_history(&stencil),
         };
         let previous = &past.coordinates[0];
         let q = equations
@@ -138,7 +138,7 @@ impl<'a> Run<'a> {
         // only stiffness damping asks for past forces
         let damped = settings.stiffness_damping > 0.0;
         let force = if damped { model.acting_forces(&q, &self.law) } else { DVector::zeros(q.len()) };
-        past.push(end, q, velocity, force);
+        past.push_state(end, q, velocity, force);
         Ok(())
     }
 
@@ -162,7 +162,7 @@ const HALVINGS: usize = 4;
 const SAME_STEP: f64 = 1e-9;
 
 /// The law of each region alone.
-fn bare(regions: &[RegionStep]) -> Vec<ActingRegion> {
+fn without_history(regions: &[RegionStep]) -> Vec<ActingRegion> {
     regions.iter().map(|region| ActingRegion { moduli: region.moduli, held: Vec::new() }).collect()
 }
 
@@ -172,11 +172,11 @@ impl Past {
         Self { times: VecDeque::from([0.0]), coordinates: zero(), velocities: zero(), forces: zero() }
     }
 
-    fn stencil(&self, settings: &DynamicSettings, time: Second) -> Stencil {
+    fn stencil_to(&self, settings: &DynamicSettings, time: Second) -> Stencil {
         Stencil::new(settings.scheme, time - self.times[0], self.times.get(1).map(|then| self.times[0] - then))
     }
 
-    fn history(&self, stencil: &Stencil) -> [DVector<f64>; 3] {
+    fn weighted_history(&self, stencil: &Stencil) -> [DVector<f64>; 3] {
         [&self.coordinates, &self.velocities, &self.forces]
             .map(|past| DVector::from_vec(stencil.history(past.iter().map(|x| x.as_slice()))))
     }
@@ -184,12 +184,12 @@ impl Past {
     /// The polynomial through the past coordinates.
     fn initial_guess(&self, time: Second) -> DVector<f64> {
         let times: Vec<Second> = self.times.iter().copied().collect();
-        let weights = extrapolation(&times, time);
+        let weights = extrapolation_weights(&times, time);
         let zero = DVector::zeros(self.coordinates[0].len());
         self.coordinates.iter().zip(weights).fold(zero, |sum, (q, w)| sum + q * w)
     }
 
-    fn push(&mut self, time: Second, q: DVector<f64>, velocity: DVector<f64>, force: DVector<f64>) {
+    fn push_state(&mut self, time: Second, q: DVector<f64>, velocity: DVector<f64>, force: DVector<f64>) {
         self.forces.push_front(force);
         self.coordinates.push_front(q);
         self.velocities.push_front(velocity);

@@ -89,7 +89,7 @@ impl ReducedModel {
     /// # Panics
     /// When there is no such chamber.
     pub fn chamber_volume(&self, chamber: usize, q: &DVector<f64>) -> si::CubicMetre {
-        self.chambers[chamber].at(q)
+        self.chambers[chamber].volume_at(q)
     }
 
     /// Elastic energy density that each sampled point of `region` integrates at q, J/m³ at rest.

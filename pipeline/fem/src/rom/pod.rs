@@ -34,46 +34,46 @@ pub(super) struct Pod {
 
 /// The modes of `snapshots` (3 entries per node each); none where they span nothing.
 pub(super) fn decompose(system: &SystemData, snapshots: &[&[f64]], settings: &ReductionSettings) -> Option<Pod> {
-    let free = gathered(system, snapshots);
-    let image = product(&free, |x, y| system.mass.multiply(&system.pattern, x, y));
-    let weights = principal(&(free.transpose() * &image), settings)?;
+    let free = gather_columns(system, snapshots);
+    let image = image_of_columns(&free, |x, y| system.mass.multiply(&system.pattern, x, y));
+    let weights = principal_weights(&(free.transpose() * &image), settings)?;
     let (orthogonal, along) = (&free * &weights, image.transpose());
     let factor = stiffness_factor(system, &orthogonal)?;
     let back = factor.transpose();
     let scaled = right_divided(&orthogonal, &back);
     let projected = |s: usize| &back * (weights.transpose() * (&along * free.column(s)));
-    Some(Pod { modes: scattered(system, &scaled), coordinates: (0..snapshots.len()).map(projected).collect() })
+    Some(Pod { modes: scatter_columns(system, &scaled), coordinates: (0..snapshots.len()).map(projected).collect() })
 }
 
 /// VᵀMV of modes with 3 entries per node.
 pub(super) fn projected_mass(system: &SystemData, modes: &DMatrix<f64>) -> DMatrix<f64> {
     let columns: Vec<&[f64]> = modes.as_slice().chunks_exact(modes.nrows()).collect();
-    let free = gathered(system, &columns);
-    free.transpose() * product(&free, |x, y| system.mass.multiply(&system.pattern, x, y))
+    let free = gather_columns(system, &columns);
+    free.transpose() * image_of_columns(&free, |x, y| system.mass.multiply(&system.pattern, x, y))
 }
 
 /// Snapshots × modes: weights of the snapshots in each mode of unit mass, in descending order of the eigenvalues.
-fn principal(products: &DMatrix<f64>, settings: &ReductionSettings) -> Option<DMatrix<f64>> {
+fn principal_weights(products: &DMatrix<f64>, settings: &ReductionSettings) -> Option<DMatrix<f64>> {
     if !products.iter().all(|product| product.is_finite()) {
         return None;
     }
     let eigen = SymmetricEigen::new(products.clone());
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
-    let least = settings.least_share * eigen.eigenvalues.iter().sum::<f64>();
-    let kept: Vec<usize> =
-        order.into_iter().take(settings.coordinates).filter(|i| eigen.eigenvalues[*i] > least).collect();
+    let least_eigenvalue = settings.least_share * eigen.eigenvalues.iter().sum::<f64>();
+    let selected: Vec<usize> =
+        order.into_iter().take(settings.coordinates).filter(|i| eigen.eigenvalues[*i] > least_eigenvalue).collect();
     let column = |i: &usize| eigen.eigenvectors.column(*i) / eigen.eigenvalues[*i].sqrt();
-    (!kept.is_empty()).then(|| DMatrix::from_columns(&kept.iter().map(column).collect::<Vec<_>>()))
+    (!selected.is_empty()).then(|| DMatrix::from_columns(&selected.iter().map(column).collect::<Vec<_>>()))
 }
 
 /// L with L Lᵀ = VᵀK₀V; none where that is not positive definite.
 fn stiffness_factor(system: &SystemData, modes: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let inputs = Inputs::new(system);
     let mut values = vec![0.0; system.pattern.entries()];
-    let rest = vec![0.0; 3 * system.mesh.nodes.len()];
-    system.body(&inputs.elastic).stiffness(&rest, TangentKind::Exact, &mut values);
-    let stiffness = modes.transpose() * product(modes, |x, y| system.pattern.multiply(&values, x, y));
+    let undeformed = vec![0.0; 3 * system.mesh.nodes.len()];
+    system.body(&inputs.elastic).stiffness(&undeformed, TangentKind::Exact, &mut values);
+    let stiffness = modes.transpose() * image_of_columns(modes, |x, y| system.pattern.multiply(&values, x, y));
     // A constrained body at rest is stiff along every mode, unless a mode holds rounding alone.
     Cholesky::new(stiffness).map(|factor| factor.l())
 }
@@ -85,25 +85,25 @@ fn right_divided(a: &DMatrix<f64>, upper: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// The image of each column.
-fn product(of: &DMatrix<f64>, multiply: impl Fn(&[f64], &mut [f64])) -> DMatrix<f64> {
-    let mut image = DMatrix::zeros(of.nrows(), of.ncols());
-    for column in 0..of.ncols() {
-        multiply(of.column(column).as_slice(), image.column_mut(column).as_mut_slice());
+fn image_of_columns(columns: &DMatrix<f64>, multiply: impl Fn(&[f64], &mut [f64])) -> DMatrix<f64> {
+    let mut image = DMatrix::zeros(columns.nrows(), columns.ncols());
+    for column in 0..columns.ncols() {
+        multiply(columns.column(column).as_slice(), image.column_mut(column).as_mut_slice());
     }
     image
 }
 
 /// Vectors with 3 entries per node, at free dofs, as columns.
-fn gathered(system: &SystemData, full: &[&[f64]]) -> DMatrix<f64> {
+fn gather_columns(system: &SystemData, full: &[&[f64]]) -> DMatrix<f64> {
     let free = full.iter().flat_map(|column| system.pattern.gather(column));
     DMatrix::from_iterator(system.pattern.dofs(), full.len(), free)
 }
 
 /// Columns of free dofs, as columns with 3 entries per node.
-fn scattered(system: &SystemData, free: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(3 * system.mesh.nodes.len(), free.ncols());
+fn scatter_columns(system: &SystemData, free: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut full = DMatrix::zeros(3 * system.mesh.nodes.len(), free.ncols());
     for column in 0..free.ncols() {
-        system.pattern.scatter(free.column(column).as_slice(), 1.0, all.column_mut(column).as_mut_slice());
+        system.pattern.scatter(free.column(column).as_slice(), 1.0, full.column_mut(column).as_mut_slice());
     }
-    all
+    full
 }

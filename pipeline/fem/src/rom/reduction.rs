@@ -43,10 +43,10 @@ impl System {
         let fields: Vec<&[f64]> = shapes.chain(changes).collect();
         let Pod { modes, coordinates } =
             pod::decompose(system, &fields, settings).ok_or(ReducedError::NoMode { count })?;
-        let moduli = snapshots.iter().map(|snapshot| snapshot.moduli(system));
+        let moduli = snapshots.iter().map(|snapshot| snapshot.acting_moduli(system));
         // of the coordinates, those of the shapes come first
         let training: Vec<TrainingShape> = coordinates.into_iter().zip(moduli).collect();
-        let points = ecsw::sample(system, &modes, &training, settings.tolerance);
+        let points = ecsw::sample_points(system, &modes, &training, settings.tolerance);
         let size = training.iter().flat_map(|(q, _)| q.iter()).fold(0.0, |most: f64, q| most.max(q.abs()));
         let modes = modes.column_iter().map(|mode| mode.iter().copied().collect()).collect();
         self.restore(&ReducedModelData { modes, points, size })
@@ -63,7 +63,7 @@ impl System {
         let rows = system.full_length();
         let modes = DMatrix::from_iterator(rows, data.modes.len(), data.modes.iter().flatten().copied());
         let mass = pod::projected_mass(system, &modes);
-        let points = ecsw::points(system, &modes, &data.points);
+        let points = ecsw::point_groups(system, &modes, &data.points);
         let chambers = system.chambers.iter().map(|chamber| CubicVolume::of(chamber, &modes, data.size)).collect();
         let products = modes.tr_mul(&modes).lu();
         let regions = system.regions.len();
@@ -101,12 +101,12 @@ impl System {
             return foreign("a number is not finite".into());
         }
         for (region, sampled) in data.points.iter().enumerate() {
-            let own = |point: u32| {
+            let is_in_region = |point: u32| {
                 let element = point as usize / system.reference.points;
                 system.mesh.regions.get(element).is_some_and(|r| *r as usize == region)
             };
             if let Some((point, _)) =
-                sampled.iter().find(|(point, weight)| !own(*point) || weight.is_nan() || *weight <= 0.0)
+                sampled.iter().find(|(point, weight)| !is_in_region(*point) || weight.is_nan() || *weight <= 0.0)
             {
                 return foreign(format!("quadrature point {point} is not in region {region}"));
             }

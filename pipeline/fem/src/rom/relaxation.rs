@@ -54,22 +54,22 @@ impl ReducedModel {
 
     /// What acts in a step in which the law's own stress is multiplied by `damping`.
     pub(super) fn acting(&self, regions: &[RegionStep], damping: f64, history: &ReducedHistory) -> Vec<ActingRegion> {
-        let of = |(region, tensors): (&RegionStep, &Vec<Symmetric>)| {
+        let acting_region = |(region, tensors): (&RegionStep, &Vec<Symmetric>)| {
             let mut moduli = region.moduli.scaled(damping);
             moduli.mu += region.mu * region.gain();
-            let held = |tensors: &[Symmetric]| {
-                let mut held = [0.0; 6];
-                add_scaled(&mut held, region.mu, &region.held(tensors));
-                held
+            let held_stress = |tensors: &[Symmetric]| {
+                let mut held_stress = [0.0; 6];
+                add_scaled(&mut held_stress, region.mu, &region.held(tensors));
+                held_stress
             };
-            ActingRegion { moduli, held: tensors.chunks_exact(1 + region.branches.len()).map(held).collect() }
+            ActingRegion { moduli, held: tensors.chunks_exact(1 + region.branches.len()).map(held_stress).collect() }
         };
-        regions.iter().zip(&history.regions).map(of).collect()
+        regions.iter().zip(&history.regions).map(acting_region).collect()
     }
 
     /// Of a body that has been held at `q` for ever.
     pub(super) fn relaxed(&self, regions: &[RegionStep], q: &DVector<f64>) -> ReducedHistory {
-        let of = |(points, region): (&Points, &RegionStep)| {
+        let region_history = |(points, region): (&Points, &RegionStep)| {
             if region.branches.is_empty() {
                 return Vec::new();
             }
@@ -80,7 +80,7 @@ impl ReducedModel {
             });
             tensors
         };
-        ReducedHistory { regions: self.points.iter().zip(regions).map(of).collect() }
+        ReducedHistory { regions: self.points.iter().zip(regions).map(region_history).collect() }
     }
 
     /// Advances `history` by a step that ends at `q`.

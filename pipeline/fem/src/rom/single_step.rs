@@ -56,7 +56,8 @@ impl ReducedModel {
     pub fn step(&self, state: &ReducedState, given: &ReducedStep) -> Result<ReducedState, ReducedError> {
         self.check_step(state, given)?;
         let (gamma, q) = (1.0 / given.settings.step, &state.coordinates);
-        let [acting, law] = [1.0 + given.settings.stiffness_damping * gamma, 1.0].map(|by| self.scaled(given, by));
+        let [acting, law] =
+            [1.0 + given.settings.stiffness_damping * gamma, 1.0].map(|factor| self.scaled_regions(given, factor));
         let stencil = Stencil { gamma, weights: vec![-gamma] };
         let past = [-gamma * q, -gamma * &state.velocity, -gamma * self.acting_forces(q, &law)];
         let equations = Step {
@@ -70,8 +71,8 @@ impl ReducedModel {
             past,
         };
         let guess = q + &state.velocity * given.settings.step;
-        let found = equations.solve(&guess, q, &mut None);
-        let coordinates = found.map_err(|change| no_convergence(0.0, change))?;
+        let solution = equations.solve(&guess, q, &mut None);
+        let coordinates = solution.map_err(|change| no_convergence(0.0, change))?;
         Ok(ReducedState { velocity: (&coordinates - q) * gamma, coordinates })
     }
 
@@ -88,7 +89,7 @@ impl ReducedModel {
         [state, after, loss].iter().try_for_each(|of| self.check_step(of, given))?;
         let DynamicSettings { step, mass_damping: alpha, stiffness_damping: beta, .. } = *given.settings;
         let (gamma, q, next) = (1.0 / step, &state.coordinates, &after.coordinates);
-        let [acting, law] = [1.0 + beta * gamma, 1.0].map(|by| self.scaled(given, by));
+        let [acting, law] = [1.0 + beta * gamma, 1.0].map(|by| self.scaled_regions(given, by));
         let mut tangent = &self.mass * (gamma * (gamma + alpha));
         tangent += self.acting_stiffness(next, ReducedTangent::Exact, &acting);
         for (chamber, pressure) in self.chambers.iter().zip(given.pressures) {
@@ -125,12 +126,12 @@ impl ReducedModel {
     }
 
     /// The law of each region, its moduli multiplied by its scale and by `factor`.
-    fn scaled(&self, given: &ReducedStep, factor: f64) -> Vec<ActingRegion> {
+    fn scaled_regions(&self, given: &ReducedStep, factor: f64) -> Vec<ActingRegion> {
         self.elastic(&given.modulus_scale.iter().map(|scale| factor * scale).collect::<Vec<_>>())
     }
 
     fn check_step(&self, state: &ReducedState, given: &ReducedStep) -> Result<(), ReducedError> {
-        settings::check(given.settings)?;
+        settings::check_settings(given.settings)?;
         let lists = [
             ("the coordinates of a state", state.coordinates.as_slice(), self.coordinates()),
             ("the velocity of a state", state.velocity.as_slice(), self.coordinates()),
@@ -139,7 +140,7 @@ impl ReducedModel {
         ];
         lists
             .into_iter()
-            .try_for_each(|(what, values, required)| crate::solver_state::check(what, values, required))?;
+            .try_for_each(|(what, values, required)| crate::solver_state::check_values(what, values, required))?;
         Ok(())
     }
 }

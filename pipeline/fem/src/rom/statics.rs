@@ -64,7 +64,7 @@ impl ReducedSolver {
         youngs_modulus: Pascal,
         poissons_ratio: f64,
     ) -> Result<(), SetupError> {
-        validation::elastic(region, youngs_modulus, poissons_ratio)?;
+        validation::check_elastic(region, youngs_modulus, poissons_ratio)?;
         let properties = self.region(region)?;
         (properties.youngs_modulus, properties.poissons_ratio) = (youngs_modulus, poissons_ratio);
         Ok(())
@@ -75,7 +75,7 @@ impl ReducedSolver {
     /// # Errors
     /// As [`ReducedSolver::set_elastic`].
     pub fn set_stiffening(&mut self, region: usize, ratios: [f64; 2]) -> Result<(), SetupError> {
-        validation::stiffening(region, ratios)?;
+        validation::check_stiffening(region, ratios)?;
         self.region(region)?.stiffening = ratios;
         Ok(())
     }

@@ -130,8 +130,8 @@ impl ReducedModel {
             time: 0.0,
             past: [zero(), zero(), zero()],
         };
-        let found = equations.solve(guess, guess, &mut None);
-        found.map_err(|change| no_convergence(0.0, change))
+        let solution = equations.solve(guess, guess, &mut None);
+        solution.map_err(|change| no_convergence(0.0, change))
     }
 }
 
@@ -159,8 +159,8 @@ impl Step<'_> {
         lagged: &mut Option<LaggedTangent>,
     ) -> Result<DVector<f64>, f64> {
         let damped = |refactorise_above| self.damped_steps(guess.clone(), previous, refactorise_above);
-        let found = self.full_steps(guess, previous, lagged).ok_or(f64::INFINITY);
-        found.or_else(|_| damped(REFACTORISE_ABOVE)).or_else(|_| damped(RETRY_ABOVE))
+        let by_full_steps = self.full_steps(guess, previous, lagged).ok_or(f64::INFINITY);
+        by_full_steps.or_else(|_| damped(REFACTORISE_ABOVE)).or_else(|_| damped(RETRY_ABOVE))
     }
 
     /// By full steps; none where they do not converge.
@@ -174,11 +174,11 @@ impl Step<'_> {
         lagged: &mut Option<LaggedTangent>,
     ) -> Option<DVector<f64>> {
         let (mut q, mut residual) = (guess.clone(), self.residual(guess));
-        lagged.take_if(|tangent| !self.serves(tangent, &residual));
-        let (mut from, mut last): (Option<DVector<f64>>, f64) = (None, f64::INFINITY);
+        lagged.take_if(|tangent| !self.can_serve(tangent, &residual));
+        let (mut former, mut last): (Option<DVector<f64>>, f64) = (None, f64::INFINITY);
         for _ in 0..FULL_STEPS {
-            let kind = from.as_ref().map_or(ReducedTangent::FormerStress(previous), ReducedTangent::MixedPoint);
-            let tangent = lagged.get_or_insert_with(|| self.factored(&q, kind));
+            let kind = former.as_ref().map_or(ReducedTangent::FormerStress(previous), ReducedTangent::MixedPoint);
+            let tangent = lagged.get_or_insert_with(|| self.factored_tangent(&q, kind));
             let change = tangent.factor.solve(&residual)?;
             let size = change.amax() / self.model.size;
             if size < TOLERANCE {
@@ -187,9 +187,9 @@ impl Step<'_> {
             if size.is_nan() || size > FARTHEST {
                 break;
             }
-            let moved = &q - change;
-            residual = self.residual(&moved);
-            from = Some(std::mem::replace(&mut q, moved));
+            let next = &q - change;
+            residual = self.residual(&next);
+            former = Some(std::mem::replace(&mut q, next));
             if size > REFACTORISE_FULL_ABOVE * last || last.is_infinite() && size > NEARBY {
                 *lagged = None;
             }
@@ -200,13 +200,13 @@ impl Step<'_> {
     }
 
     /// Whether the tangent of a former step serves this one: its γ is the same, and what it leaves of the first step is short.
-    fn serves(&self, tangent: &LaggedTangent, residual: &DVector<f64>) -> bool {
-        let near = |change: DVector<f64>| change.amax() < NEARBY * self.model.size;
+    fn can_serve(&self, tangent: &LaggedTangent, residual: &DVector<f64>) -> bool {
+        let is_short = |change: DVector<f64>| change.amax() < NEARBY * self.model.size;
         (tangent.gamma / self.stencil.gamma - 1.0).abs() <= SAME_GAMMA
-            && tangent.factor.solve(residual).is_some_and(near)
+            && tangent.factor.solve(residual).is_some_and(is_short)
     }
 
-    fn factored(&self, q: &DVector<f64>, kind: ReducedTangent) -> LaggedTangent {
+    fn factored_tangent(&self, q: &DVector<f64>, kind: ReducedTangent) -> LaggedTangent {
         LaggedTangent { factor: self.tangent(q, kind).lu(), gamma: self.stencil.gamma }
     }
 
@@ -220,32 +220,32 @@ impl Step<'_> {
         previous: &DVector<f64>,
         refactorise_above: f64,
     ) -> Result<DVector<f64>, f64> {
-        let (mut q, mut from) = (guess, previous.clone());
+        let (mut q, mut former) = (guess, previous.clone());
         let (mut residual, mut lagged, mut last) = (self.residual(&q), None, f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
-            let tangent = lagged.get_or_insert_with(|| self.factored(&q, ReducedTangent::MixedPoint(&from)));
+            let tangent = lagged.get_or_insert_with(|| self.factored_tangent(&q, ReducedTangent::MixedPoint(&former)));
             let mut change = tangent.factor.solve(&residual).ok_or(last)?;
-            let slides = residual.dot(&change) <= 0.0;
-            if slides {
+            let is_no_descent = residual.dot(&change) <= 0.0;
+            if is_no_descent {
                 // Not a direction of descent; the convex part of the tangent gives one.
                 change = self.tangent(&q, ReducedTangent::Convex).lu().solve(&residual).ok_or(last)?;
                 lagged = None;
             }
-            let whole = change.amax() / self.model.size;
-            if whole < TOLERANCE {
+            let full_size = change.amax() / self.model.size;
+            if full_size < TOLERANCE {
                 return Ok(q - change);
             }
-            let (part, next) = match (slides, whole < SHORT) {
+            let (part, next) = match (is_no_descent, full_size < SHORT) {
                 (true, _) => self.line_search(&q, &change, &residual, LONGEST),
                 (false, true) => (1.0, self.residual(&(&q - &change))),
                 (false, false) => self.line_search(&q, &change, &residual, 1.0),
             };
-            let size = part * whole;
+            let size = part * full_size;
             if !size.is_finite() {
                 return Err(last);
             }
-            let moved = &q - change * part;
-            (from, q, residual) = (if part == 1.0 { q } else { moved.clone() }, moved, next);
+            let advanced = &q - change * part;
+            (former, q, residual) = (if part == 1.0 { q } else { advanced.clone() }, advanced, next);
             if part != 1.0 || size > refactorise_above * last || last.is_infinite() && size > NEAR {
                 lagged = None;
             }
@@ -266,16 +266,16 @@ impl Step<'_> {
         longest: f64,
     ) -> (f64, DVector<f64>) {
         let start = residual.dot(change);
-        let at = |part: f64| {
-            let left = self.residual(&(q - change * part));
-            let slope = -left.dot(change) / start;
-            (if slope.is_finite() { slope } else { f64::INFINITY }, left)
+        let slope_and_residual = |part: f64| {
+            let end_residual = self.residual(&(q - change * part));
+            let slope = -end_residual.dot(change) / start;
+            (if slope.is_finite() { slope } else { f64::INFINITY }, end_residual)
         };
         let (mut part, mut low, mut high) = (1.0, 0.0, 1.0);
-        let (mut slope, mut left) = at(part);
+        let (mut slope, mut end_residual) = slope_and_residual(part);
         while part < longest && slope < -0.5 {
             (low, part, high) = (part, 2.0 * part, 2.0 * part);
-            (slope, left) = at(part);
+            (slope, end_residual) = slope_and_residual(part);
         }
         for _ in 0..MAX_BISECTIONS {
             if slope.abs() <= 0.5 || part == 1.0 && slope <= 1.0 {
@@ -283,9 +283,9 @@ impl Step<'_> {
             }
             (low, high) = if slope > 0.0 { (low, part) } else { (part, high) };
             part = 0.5 * (low + high);
-            (slope, left) = at(part);
+            (slope, end_residual) = slope_and_residual(part);
         }
-        (part, left)
+        (part, end_residual)
     }
 
     /// q̇ when the step ends at `q`.

@@ -33,7 +33,7 @@ impl<'a> Snapshot<'a> {
     }
 
     /// The moduli that acted, one per region.
-    pub(super) fn moduli(&self, system: &SystemData) -> Vec<Moduli> {
+    pub(super) fn acting_moduli(&self, system: &SystemData) -> Vec<Moduli> {
         let regions = if self.regions.is_empty() { &system.regions } else { self.regions };
         regions.iter().map(RegionProperties::moduli).collect()
     }

@@ -64,11 +64,11 @@ impl Solver {
         pressures: &[Pascal],
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
-        let whole: Pascal = pressures.iter().sum();
+        let total: Pascal = pressures.iter().sum();
         let load = |_: &mut Self, sum: Pascal| -> Result<Vec<Pascal>, SolveError> {
-            Ok(pressures.iter().map(|p| if sum == whole { *p } else { sum / whole * p }).collect())
+            Ok(pressures.iter().map(|p| if sum == total { *p } else { sum / total * p }).collect())
         };
-        self.follow((known, whole), 1.0, &load, settings)
+        self.follow_path((known, total), 1.0, &load, settings)
     }
 
     /// The equilibrium at the end of a ramp, from the shapes `known` on it (3 entries per node, m), each with its place (0: its beginning, 1:
@@ -85,20 +85,20 @@ impl Solver {
         ramp: &LoadRamp,
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
-        let between = |ends: [&[f64]; 2], place: f64| -> Vec<f64> {
+        let interpolate = |ends: [&[f64]; 2], coordinate: f64| -> Vec<f64> {
             assert_eq!(ends[0].len(), ends[1].len(), "both ends of a ramp");
-            ends[0].iter().zip(ends[1]).map(|(from, to)| (1.0 - place) * from + place * to).collect()
+            ends[0].iter().zip(ends[1]).map(|(from, to)| (1.0 - coordinate) * from + coordinate * to).collect()
         };
-        let load = |solver: &mut Self, place: f64| -> Result<Vec<Pascal>, SolveError> {
-            solver.set_forces(&between(ramp.forces, place))?;
-            Ok(between(ramp.pressures, place))
+        let load = |solver: &mut Self, coordinate: f64| -> Result<Vec<Pascal>, SolveError> {
+            solver.set_forces(&interpolate(ramp.forces, coordinate))?;
+            Ok(interpolate(ramp.pressures, coordinate))
         };
         let first = if known.len() > 1 { 1.0 } else { FIRST };
-        self.follow((known, 1.0), first, &load, settings)
+        self.follow_path((known, 1.0), first, &load, settings)
     }
 
     /// The equilibrium at the place `end` of a path, whose first step is a fraction of the way there.
-    fn follow(
+    fn follow_path(
         &mut self,
         (known, end): (&[(f64, &[Metre])], f64),
         first: f64,
@@ -106,26 +106,29 @@ impl Solver {
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
         let recent = &known[known.len().saturating_sub(THROUGH)..];
-        let mut path: Vec<(f64, Vec<Metre>)> = recent.iter().map(|(place, shape)| (*place, shape.to_vec())).collect();
+        let mut path: Vec<(f64, Vec<Metre>)> =
+            recent.iter().map(|(coordinate, shape)| (*coordinate, shape.to_vec())).collect();
         let begin = path.last().expect("a shape is known").0;
         let (mut reached, mut step) = (0.0, first);
-        let before = self.state.newton.spent;
+        let counts_before = self.state.newton.spent;
         loop {
             let part = if reached + step > 1.0 - SHORTEST { 1.0 } else { reached + step };
-            let place = if part == 1.0 { end } else { begin + part * (end - begin) };
+            let coordinate = if part == 1.0 { end } else { begin + part * (end - begin) };
             let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(BETWEEN) };
             let max_iterations = if step > SHORTEST { ITERATIONS.min(settings.max_iterations) } else { SNAPPING };
             let statics = StaticSettings { tolerance, max_iterations, ..*settings };
-            let at = load(self, place)?;
-            let shapes: Vec<(f64, &[Metre])> = path.iter().map(|(place, shape)| (*place, shape.as_slice())).collect();
+            let pressures = load(self, coordinate)?;
+            let shapes: Vec<(f64, &[Metre])> =
+                path.iter().map(|(coordinate, shape)| (*coordinate, shape.as_slice())).collect();
             let last = shapes.last().map_or(&[][..], |last| last.1);
-            match self.equilibrium_near(&at, last, &extrapolated(&shapes, place), &statics) {
+            match self.equilibrium_near(&pressures, last, &extrapolated(&shapes, coordinate), &statics) {
                 Ok(found) if part == 1.0 => {
-                    let NewtonCounts { iterations, factorisations, .. } = self.state.newton.spent.since(before);
+                    let NewtonCounts { iterations, factorisations, .. } =
+                        self.state.newton.spent.counted_since(counts_before);
                     return Ok(Equilibrium { iterations, factorisations, ..found });
                 }
                 Ok(Equilibrium { displacement, factorisations, .. }) => {
-                    path.push((place, displacement));
+                    path.push((coordinate, displacement));
                     (reached, step) = (part, if factorisations <= EASY { GROWTH * step } else { step });
                 }
                 Err(_) if step > SHORTEST => step *= 0.5,
@@ -140,8 +143,8 @@ pub fn extrapolated(known: &[(f64, &[Metre])], to: f64) -> Vec<Metre> {
     let last = &known[known.len().saturating_sub(THROUGH)..];
     let mut sum = vec![0.0; last.first().map_or(0, |(_, shape)| shape.len())];
     for (i, (at, shape)) in last.iter().enumerate() {
-        let others = last.iter().enumerate().filter(|(j, _)| *j != i);
-        let weight: f64 = others.map(|(_, (other, _))| (to - other) / (at - other)).product();
+        let other_shapes = last.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 = other_shapes.map(|(_, (other, _))| (to - other) / (at - other)).product();
         sum.iter_mut().zip(*shape).for_each(|(sum, u)| *sum += weight * u);
     }
     sum

@@ -66,10 +66,10 @@ impl SolverState {
             direct.displacement.copy_from_slice(&self.with_constraints(guess));
             let options = self.full_steps(settings.tolerance, settings);
             if settings.reuse_factor && self.warm_start(&mut direct, pressures, &options) {
-                return Ok(self.finished(direct, false));
+                return Ok(self.finished_equilibrium(direct, false));
             }
             if self.newton_solve(&mut direct, None, AppliedLoad::whole(pressures), &options).is_ok() {
-                return Ok(self.finished(direct, false));
+                return Ok(self.finished_equilibrium(direct, false));
             }
             if let Some(found) = self.fade_out(&self.with_constraints(guess), pressures, settings) {
                 return Ok(found);
@@ -91,9 +91,9 @@ impl SolverState {
         self.check_field("the nearby shape", nearby)?;
         self.check_field("the predicted shape", predicted)?;
         self.linearised = None;
-        let mut at = self.at_rest(pressures);
+        let mut solution = self.at_rest(pressures);
         let previous = self.with_constraints(nearby);
-        at.displacement = self.admissible(&previous, self.with_constraints(predicted));
+        solution.displacement = self.admissible_shape(&previous, self.with_constraints(predicted));
         let options = NewtonOptions {
             max_iterations: settings.max_iterations,
             predicted: true,
@@ -102,28 +102,28 @@ impl SolverState {
         let load = AppliedLoad::whole(pressures);
         // An interpolated shape stretches a stiff sheet where it rotates, and the stress of that stretch makes the tangent indefinite: the
         // first one has the stress of the nearby shape.
-        match self.newton_solve(&mut at, Some(&previous), load, &options) {
-            Ok(_) => Ok(self.finished(at, false)),
+        match self.newton_solve(&mut solution, Some(&previous), load, &options) {
+            Ok(_) => Ok(self.finished_equilibrium(solution, false)),
             Err(cause) => Err(self.no_equilibrium(vec![(0.0, self.at_rest(pressures))], 1.0, pressures, cause)),
         }
     }
 
-    /// Moves `at` to its equilibrium on the lagged factor; whether it converged.
-    fn warm_start(&mut self, at: &mut Equilibrium, pressures: &[Pascal], options: &NewtonOptions) -> bool {
+    /// Moves `state` to its equilibrium on the lagged factor; whether it converged.
+    fn warm_start(&mut self, state: &mut Equilibrium, pressures: &[Pascal], options: &NewtonOptions) -> bool {
         let potential = self.inputs.at_rest(&self.data, pressures);
         let ready = self.newton.is_ready();
-        let found = ready.then(|| self.newton.warm_start(&potential, &mut at.displacement, options)).flatten();
-        at.iterations += found.map_or(0, |found| found.iterations);
-        found.is_some()
+        let counts = ready.then(|| self.newton.warm_start(&potential, &mut state.displacement, options)).flatten();
+        state.iterations += counts.map_or(0, |counts| counts.iterations);
+        counts.is_some()
     }
 
     /// Raises the load factor from 0 to 1.
     fn load_stepping(&mut self, pressures: &[Pascal], settings: &StaticSettings) -> Result<Equilibrium, SolveError> {
         let (first, halvings) = (1.0 / settings.load_steps.max(1) as f64, settings.max_halvings);
         let steps = Steps { first, shortest: MIN_STEP, halvings, descent: true, settings };
-        let found = self.follow(self.at_rest(pressures), &Homotopy::Rest(pressures), &steps);
-        match found {
-            Ok(at) => Ok(self.finished(at, true)),
+        let result = self.follow_homotopy(self.at_rest(pressures), &Homotopy::Rest(pressures), &steps);
+        match result {
+            Ok(end) => Ok(self.finished_equilibrium(end, true)),
             Err((path, step, cause)) => Err(self.no_equilibrium(path, step, pressures, cause)),
         }
     }
@@ -136,15 +136,15 @@ impl SolverState {
         let mut unbalanced = vec![0.0; shape.len()];
         let energy = self.inputs.at_rest(&self.data, pressures).energy(shape, &mut unbalanced);
         let steps = Steps { first: FIRST_FADE, shortest: MIN_FADE, halvings: FADE_HALVINGS, descent: false, settings };
-        let follow = || self.follow(start, &Homotopy::Shape(pressures, unbalanced), &steps).ok();
-        energy.value.is_finite().then(follow).flatten().map(|at| self.finished(at, false))
+        let follow = || self.follow_homotopy(start, &Homotopy::Shape(pressures, unbalanced), &steps).ok();
+        energy.value.is_finite().then(follow).flatten().map(|at| self.finished_equilibrium(at, false))
     }
 
     /// The end of the path that begins with `start`, which is in equilibrium at s = 0.
     ///
     /// # Errors
     /// The path as far as it was found, the length of the step that failed, and why.
-    fn follow(
+    fn follow_homotopy(
         &mut self,
         start: Equilibrium,
         homotopy: &Homotopy,
@@ -187,18 +187,17 @@ impl SolverState {
         let full_steps = self.full_steps(tolerance, settings);
         let globalisation = Globalisation::LineSearch;
         let line_search = NewtonOptions { globalisation, max_iterations: settings.max_iterations, ..full_steps };
-        let loads = homotopy.at(target);
+        let loads = homotopy.loads_at(target);
         let (_, end) = &path[path.len() - 1];
-        let guess = self.admissible(&end.displacement, extrapolated(path, target));
+        let guess = self.admissible_shape(&end.displacement, extrapolated_shape(path, target));
         let previous = (path.len() > 1).then_some(end.displacement.as_slice());
-        let at = |from: &[f64]| {
-            let (displacement, pressures) = (from.to_vec(), loads.pressures.clone());
+        let state_from = |shape: &[f64]| {
+            let (displacement, pressures) = (shape.to_vec(), loads.pressures.clone());
             Equilibrium { displacement, pressures, ..end.clone() }
         };
-        let mut attempt = |from: &[f64], previous, options| {
-            let mut next = at(from);
-            self.newton_solve(&mut next, previous, loads.applied(), options)
-                .map(|factorisations| (next, factorisations))
+        let mut attempt = |shape: &[f64], previous, options| {
+            let mut next = state_from(shape);
+            self.newton_solve(&mut next, previous, loads.applied_load(), options).map(|count| (next, count))
         };
         // Full steps first: for stiff sheets in large rotation they need 4 to 12 iterations where a line search on the
         // energy needs many times as many. The line search is the fallback, because it converges through snap-through.
@@ -206,13 +205,13 @@ impl SolverState {
         if full.is_ok() || !steps.descent || target - path[path.len() - 1].0 > LINE_SEARCH_BELOW {
             return full;
         }
-        let mut found = attempt(&guess, None, &line_search);
-        if found == Err(NonConvergence::InvertedElement) {
-            found = attempt(&end.displacement, None, &line_search);
+        let mut solution = attempt(&guess, None, &line_search);
+        if solution == Err(NonConvergence::InvertedElement) {
+            solution = attempt(&end.displacement, None, &line_search);
         }
-        found.or_else(|_| {
-            let mut next = at(&end.displacement);
-            self.pseudo_transient(&mut next, loads.applied(), &line_search).map(|factorisations| (next, factorisations))
+        solution.or_else(|_| {
+            let mut next = state_from(&end.displacement);
+            self.pseudo_transient(&mut next, loads.applied_load(), &line_search).map(|count| (next, count))
         })
     }
 
@@ -224,7 +223,7 @@ impl SolverState {
         load: AppliedLoad,
         options: &NewtonOptions,
     ) -> Result<usize, NonConvergence> {
-        self.couple(&at.displacement)?;
+        self.couple_contact(&at.displacement)?;
         let mut factorisations = 0;
         // A solve that brought further walls into contact is repeated with their couplings, from its end.
         loop {
@@ -236,7 +235,7 @@ impl SolverState {
             if counts.indefinite > 0 {
                 at.snap_through.push(load.load_factor);
             }
-            if !self.couple(&at.displacement)? {
+            if !self.couple_contact(&at.displacement)? {
                 return Ok(factorisations);
             }
         }
@@ -267,7 +266,7 @@ impl SolverState {
         }
     }
 
-    fn finished(&self, mut at: Equilibrium, load_stepped: bool) -> Equilibrium {
+    fn finished_equilibrium(&self, mut at: Equilibrium, load_stepped: bool) -> Equilibrium {
         at.load_stepped = load_stepped;
         at.residual = self.relative_residual(&at);
         at
@@ -296,13 +295,13 @@ impl SolverState {
         let (load_factor, at) = path.swap_remove(path.len() - 1);
         let larger = |most: f64, pressure: &f64| if pressure.abs() > most.abs() { *pressure } else { most };
         let pressure = pressures.iter().fold(0.0, larger);
-        let last_converged = (load_factor > 0.0).then(|| Box::new(self.finished(at, true)));
+        let last_converged = (load_factor > 0.0).then(|| Box::new(self.finished_equilibrium(at, true)));
         SolveError::NoEquilibrium { load_factor, load_step, pressure, cause, last_converged }
     }
 }
 
 /// The straight line through the last two states of the path, at the load factor `target`.
-fn extrapolated(path: &[(f64, Equilibrium)], target: f64) -> Vec<f64> {
+fn extrapolated_shape(path: &[(f64, Equilibrium)], target: f64) -> Vec<f64> {
     let (reached, end) = &path[path.len() - 1];
     let Some((earlier, start)) = path.len().checked_sub(2).map(|at| &path[at]) else {
         return end.displacement.clone();

@@ -28,8 +28,8 @@ impl SolverState {
         load: AppliedLoad,
         options: &NewtonOptions,
     ) -> Result<usize, NonConvergence> {
-        let own = self.characteristic_rate();
-        let mut rate = RATES.0 * own;
+        let characteristic_rate = self.characteristic_rate();
+        let mut rate = RATES.0 * characteristic_rate;
         let mut factorisations = 0;
         let mut last = NonConvergence::LineSearchFailed { iterations: 0 };
         for _ in 0..MAX_STEPS {
@@ -44,7 +44,7 @@ impl SolverState {
                     rate *= INCREASE;
                 }
             }
-            if rate < RATES.1 * own {
+            if rate < RATES.1 * characteristic_rate {
                 return self.newton_solve(at, None, load, options).map(|made| factorisations + made);
             }
         }
@@ -59,7 +59,7 @@ impl SolverState {
         rate: f64,
         options: &NewtonOptions,
     ) -> Result<usize, NonConvergence> {
-        self.couple(&at.displacement)?;
+        self.couple_contact(&at.displacement)?;
         let centre = self.data.pattern.gather(&at.displacement);
         let history = load.added.map_or_else(Vec::new, |force| force.history.clone());
         let inertia = Inertia { rate, centre, history };

@@ -42,9 +42,9 @@ impl AdjointHistory {
         right: &mut [f64],
     ) {
         for_each_point(data, regions, |point, region| {
-            let own = &self.tensors[point.own.clone()];
-            let mut by_stress = own[0];
-            for (branch, later) in region.branches.iter().zip(&own[1..]).filter(|_| ends) {
+            let point_tensors = &self.tensors[point.own.clone()];
+            let mut by_stress = point_tensors[0];
+            for (branch, later) in region.branches.iter().zip(&point_tensors[1..]).filter(|_| ends) {
                 add_scaled(&mut by_stress, branch.gain, later);
             }
             let image = region.stress_pulled_back(&point.deformation(u), &by_stress);
@@ -56,13 +56,13 @@ impl AdjointHistory {
     /// region.
     pub(crate) fn step_back(&mut self, step: &HistoryStep, lambda: &[f64], sums: &mut [RelaxationSums]) {
         for_each_point(step.data, step.regions, |point, region| {
-            let histories = (step.before.of(point), step.now.of(point));
+            let histories = (step.before.of_point(point), step.now.of_point(point));
             let gradient = point.deformation(step.displacement);
             let virtual_gradient = point.deformation(lambda) - nalgebra::Matrix3::identity();
             let mut work = symmetric(&(gradient.tr_mul(&virtual_gradient)));
             work.iter_mut().for_each(|entry| *entry *= point.weight);
-            let own = &mut self.tensors[point.own.clone()];
-            step_point_back(region, own, (histories, &work), &mut sums[point.region]);
+            let point_tensors = &mut self.tensors[point.own.clone()];
+            step_point_back(region, point_tensors, (histories, &work), &mut sums[point.region]);
         });
     }
 }

@@ -50,17 +50,27 @@ pub(crate) fn for_each_point(data: &SystemData, regions: &[RegionStep], mut visi
     let (reference, each) = (&data.reference, data.mesh.elements.nodes_each());
     let mut end = 0;
     for (element, &region) in data.mesh.regions.iter().enumerate() {
-        let (region, of) = (region as usize, &regions[region as usize]);
-        if of.branches.is_empty() {
+        let (region, region_step) = (region as usize, &regions[region as usize]);
+        if region_step.branches.is_empty() {
             continue;
         }
         let nodes = data.mesh.elements.nodes(element);
         for (point, shares) in reference.shares.iter().enumerate() {
             let number = element * reference.points + point;
             let gradients = &reference.gradients[number * each..(number + 1) * each];
-            let own = end..end + 1 + of.branches.len();
-            end = own.end;
-            visit(&Point { number, region, nodes, gradients, weight: reference.weights[number] * shares[0], own }, of);
+            let own_range = end..end + 1 + region_step.branches.len();
+            end = own_range.end;
+            visit(
+                &Point {
+                    number,
+                    region,
+                    nodes,
+                    gradients,
+                    weight: reference.weights[number] * shares[0],
+                    own: own_range,
+                },
+                region_step,
+            );
         }
     }
 }
@@ -86,7 +96,7 @@ impl History {
     }
 
     /// The tensors of one point.
-    pub(crate) fn of(&self, point: &Point) -> &[Symmetric] {
+    pub(crate) fn of_point(&self, point: &Point) -> &[Symmetric] {
         &self.tensors[point.own.clone()]
     }
 }

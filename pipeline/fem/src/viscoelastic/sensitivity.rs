@@ -29,8 +29,8 @@ impl Direction {
             Self { region, branches, ..Self::default() }
         };
         let springpot = |region: usize, which: usize| {
-            let by = properties[region].relaxation.springpot_direction(which);
-            Self { region, branches: by.into_iter().map(|g| [g, 0.0]).collect(), ..Self::default() }
+            let springpot_rates = properties[region].relaxation.springpot_direction(which);
+            Self { region, branches: springpot_rates.into_iter().map(|g| [g, 0.0]).collect(), ..Self::default() }
         };
         let elastic = |region: usize, mu: Pascal| Self { region, mu, branches: none(region) };
         Some(match parameter {
@@ -45,7 +45,7 @@ impl Direction {
     }
 
     /// (∂d, ∂a) of a branch.
-    fn factors(&self, point: &Point, region: &RegionStep, branch: usize) -> [f64; 2] {
+    fn branch_factors(&self, point: &Point, region: &RegionStep, branch: usize) -> [f64; 2] {
         if point.region != self.region {
             return [0.0; 2];
         }
@@ -79,31 +79,35 @@ impl HistorySensitivity {
     }
 
     /// Adds the derivative of the branches' force at constant displacement to `derivative` (3 entries per node).
-    pub(crate) fn add_residual(&self, step: &HistoryStep, by: Option<&Direction>, derivative: &mut [f64]) {
+    pub(crate) fn add_residual(&self, step: &HistoryStep, direction: Option<&Direction>, derivative: &mut [f64]) {
         for_each_point(step.data, step.regions, |point, region| {
-            let (before, now) = (step.before.of(point), step.now.of(point));
+            let (before, now) = (step.before.of_point(point), step.now.of_point(point));
             let gradient = point.deformation(step.displacement);
-            let mut held = region.held(&self.tensors[point.own.clone()]);
-            for (branch, by) in (0..region.branches.len()).flat_map(|branch| by.map(|by| (branch, by))) {
-                by.add_factor(point, (region, branch), (before, now), &mut held);
+            let mut held_stress = region.held(&self.tensors[point.own.clone()]);
+            for (branch, direction) in
+                (0..region.branches.len()).flat_map(|branch| direction.map(|direction| (branch, direction)))
+            {
+                direction.add_factor(point, (region, branch), (before, now), &mut held_stress);
             }
-            held.iter_mut().for_each(|entry| *entry *= region.mu);
-            let mu = by.map_or(0.0, |by| by.mu_at(point));
-            now[1..].iter().for_each(|overstress| add_scaled(&mut held, mu, overstress));
-            point.add_force(&(gradient * matrix(&held)), point.weight, derivative);
+            held_stress.iter_mut().for_each(|entry| *entry *= region.mu);
+            let mu = direction.map_or(0.0, |direction| direction.mu_at(point));
+            now[1..].iter().for_each(|overstress| add_scaled(&mut held_stress, mu, overstress));
+            point.add_force(&(gradient * matrix(&held_stress)), point.weight, derivative);
         });
     }
 
     /// Advances by one step, at whose end the displacement has the derivative `du`.
-    pub(crate) fn advance(&mut self, step: &HistoryStep, du: &[f64], by: Option<&Direction>) {
+    pub(crate) fn advance(&mut self, step: &HistoryStep, du: &[f64], direction: Option<&Direction>) {
         for_each_point(step.data, step.regions, |point, region| {
-            let (before, now) = (step.before.of(point), step.now.of(point));
+            let (before, now) = (step.before.of_point(point), step.now.of_point(point));
             let gradient = point.deformation(step.displacement);
             let change = point.deformation(du) - Matrix3::identity();
-            let own = &mut self.tensors[point.own.clone()];
-            region.advance(own, region.stress_change(&gradient, &change));
-            for (number, overstress) in own[1..].iter_mut().enumerate() {
-                by.iter().for_each(|by| by.add_factor(point, (region, number), (before, now), overstress));
+            let point_tensors = &mut self.tensors[point.own.clone()];
+            region.advance(point_tensors, region.stress_change(&gradient, &change));
+            for (number, overstress) in point_tensors[1..].iter_mut().enumerate() {
+                direction
+                    .iter()
+                    .for_each(|direction| direction.add_factor(point, (region, number), (before, now), overstress));
             }
         });
     }
@@ -118,7 +122,7 @@ impl Direction {
         (before, now): (&[Symmetric], &[Symmetric]),
         sum: &mut Symmetric,
     ) {
-        let [decay, gain] = self.factors(point, region, branch);
+        let [decay, gain] = self.branch_factors(point, region, branch);
         add_scaled(sum, decay, &before[1 + branch]);
         add_scaled(sum, gain, &now[0]);
         add_scaled(sum, -gain, &before[0]);

@@ -9,7 +9,7 @@ use materials::symmetric::{Symmetric, add_scaled};
 use si::Second;
 
 /// The regions' steps of one length; `None` when no region relaxes.
-pub(crate) fn regions(properties: &[RegionProperties], step: Second) -> Option<Vec<RegionStep>> {
+pub(crate) fn region_steps(properties: &[RegionProperties], step: Second) -> Option<Vec<RegionStep>> {
     let relaxes = properties.iter().any(|is| !is.relaxation.is_none());
     relaxes
         .then(|| properties.iter().map(|is| RegionStep::new(is.material, is.moduli(), &is.relaxation, step)).collect())
@@ -32,10 +32,10 @@ impl ActingStress {
         for ((acting, is), region) in acting.iter_mut().zip(elastic).zip(regions) {
             acting.moduli.mu += is.moduli.mu * region.gain();
         }
-        let mut held = vec![[0.0; 6]; data.reference.weights.len()];
+        let mut held_stress = vec![[0.0; 6]; data.reference.weights.len()];
         for_each_point(data, regions, |point, region| {
-            add_scaled(&mut held[point.number], region.mu, &region.held(history.of(point)));
+            add_scaled(&mut held_stress[point.number], region.mu, &region.held(history.of_point(point)));
         });
-        Self { elastic: acting, held }
+        Self { elastic: acting, held: held_stress }
     }
 }
