@@ -12,7 +12,7 @@ use crate::error::TwinError;
 use crate::gradient::{LossGradient, MotionGradient};
 use crate::lanes::{Lanes, add_reduced};
 use crate::law::Symmetric;
-use crate::recording::{RecordedPart, Recording, place};
+use crate::recording::{RecordedPart, Recording, checkpoint_place};
 use crate::single_precision;
 use crate::solid_adjoint::{BranchStep, SolidAdjoint};
 use crate::step::Twin;
@@ -64,18 +64,18 @@ impl Twin {
         self.check_state(recording.state())?;
         let mut pass = Pass::new(self);
         let mut pressures = vec![vec![0.0; self.chambers.len()]; recording.steps()];
-        let (mut checkpoint, mut held) = (usize::MAX, Vec::new());
+        let (mut checkpoint, mut held_stresses) = (usize::MAX, Vec::new());
         for step in (0..recording.steps()).rev() {
-            pass.pending[0].add(&loss(step));
-            let first = step.checked_sub(1).map_or(0, |before| recording.ends[before]);
+            pass.pending[0].add_loss(&loss(step));
+            let first = step.checked_sub(1).map_or(0, |former| recording.ends[former]);
             for number in (first..recording.ends[step]).rev() {
-                let (segment, within) = place(number);
+                let (segment, within) = checkpoint_place(number);
                 if segment != checkpoint {
-                    (checkpoint, held) = (segment, self.held(recording, segment));
+                    (checkpoint, held_stresses) = (segment, self.held_stresses(recording, segment));
                 }
                 let part = &recording.parts[number];
-                let by = pass.step(part, std::mem::take(&mut held[within]))?;
-                share(&by, (step, part.passed), &mut pressures);
+                let by_pressures = pass.pass_part(part, std::mem::take(&mut held_stresses[within]))?;
+                add_pressure_derivatives(&by_pressures, (step, part.passed), &mut pressures);
             }
         }
         let regions = pass.solids.iter().map(SolidAdjoint::gradient).collect();
@@ -84,11 +84,11 @@ impl Twin {
 }
 
 /// Adds the derivatives by the pressures of a part to those by the pressures at both ends of its step.
-fn share(by: &[f64], (step, passed): (usize, f64), pressures: &mut [Vec<f64>]) {
-    add(&mut pressures[step], passed, by);
+fn add_pressure_derivatives(by_pressures: &[f64], (step, passed): (usize, f64), pressures: &mut [Vec<f64>]) {
+    add(&mut pressures[step], passed, by_pressures);
     // before the first step there is no pressure
     if step > 0 {
-        add(&mut pressures[step - 1], 1.0 - passed, by);
+        add(&mut pressures[step - 1], 1.0 - passed, by_pressures);
     }
 }
 
@@ -100,70 +100,80 @@ impl<'a> Pass<'a> {
     }
 
     /// Passes one part; returns the derivatives by its pressures, 1/Pa.
-    fn step(&mut self, part: &RecordedPart, held: Vec<Vec<Symmetric>>) -> Result<Vec<f64>, TwinError> {
+    fn pass_part(&mut self, part: &RecordedPart, held_stresses: Vec<Vec<Symmetric>>) -> Result<Vec<f64>, TwinError> {
         let (twin, q, gamma) = (self.twin, &part.coordinates, part.stencil.gamma);
-        let [own, before, earlier] = &self.pending;
-        let mut own = own.clone();
+        let [current, before, earlier] = &self.pending;
+        let mut current = current.clone();
         self.pending = [before.clone(), earlier.clone(), Pending::zero(q.len())];
-        let (branches, acting) = self.acting(part, held);
-        let tangent = self.tangent(part, (&acting, &branches), &mut own.coordinates);
+        let (branches, acting) = self.acting_solids(part, held_stresses);
+        let tangent = self.tangent_of_part(part, (&acting, &branches), &mut current.coordinates);
         let tangent = tangent.ok_or(TwinError::Adjoint { time: part.time })?;
-        let momentum = self.water(part, [&vec![0.0; q.len()], &own.momentum]);
-        add(&mut own.coordinates, 1.0, &momentum.by_coordinates);
-        add(&mut own.velocity, 1.0, &momentum.by_velocity);
-        let mut right = own.coordinates.clone();
-        add(&mut right, gamma, &own.velocity);
+        let momentum = self.water_gradient(part, [&vec![0.0; q.len()], &current.momentum]);
+        add(&mut current.coordinates, 1.0, &momentum.by_coordinates);
+        add(&mut current.velocity, 1.0, &momentum.by_velocity);
+        let mut right = current.coordinates.clone();
+        add(&mut right, gamma, &current.velocity);
         right.iter_mut().for_each(|entry| *entry = -*entry);
-        let adjoint = self.solve(&tangent, &acting, &right).ok_or(TwinError::Adjoint { time: part.time })?;
-        let force = self.water(part, [&adjoint, &vec![0.0; q.len()]]);
-        add(&mut own.velocity, 1.0, &force.by_velocity);
-        self.carry(part, own, &adjoint);
+        let adjoint = self.solve_transposed(&tangent, &acting, &right).ok_or(TwinError::Adjoint { time: part.time })?;
+        let force = self.water_gradient(part, [&adjoint, &vec![0.0; q.len()]]);
+        add(&mut current.velocity, 1.0, &force.by_velocity);
+        self.carry_adjoint(part, current, &adjoint);
         for ((solid, acting), now) in self.solids.iter_mut().zip(&acting).zip(branches) {
-            solid.pass(&adjoint, acting, now);
+            solid.pass_step(&adjoint, acting, now);
         }
         let work = |chamber: &crate::data::Chamber| -dot(&chamber.volume_gradient(q), &adjoint);
         Ok(twin.chambers.iter().map(work).collect())
     }
 
     /// The branches of each solid, and what acts in it.
-    fn acting(&self, part: &RecordedPart, held: Vec<Vec<Symmetric>>) -> (Vec<Vec<BranchStep>>, Vec<Acting>) {
-        let branches: Vec<Vec<BranchStep>> = self.solids.iter().map(|solid| solid.branches(part.duration)).collect();
-        let acting = self.solids.iter().zip(&branches).zip(held).map(|((solid, now), held)| solid.acting(now, held));
+    fn acting_solids(
+        &self,
+        part: &RecordedPart,
+        held_stresses: Vec<Vec<Symmetric>>,
+    ) -> (Vec<Vec<BranchStep>>, Vec<Acting>) {
+        let branches: Vec<Vec<BranchStep>> =
+            self.solids.iter().map(|solid| solid.branch_steps(part.duration)).collect();
+        let acting = self
+            .solids
+            .iter()
+            .zip(&branches)
+            .zip(held_stresses)
+            .map(|((solid, now), held_stresses)| solid.acting_in_step(now, held_stresses));
         let acting = acting.collect();
         (branches, acting)
     }
 
     /// The derivative of the part's residual by its q, none where it is singular; adds to `loss` what later steps depend on q by through
     /// the relaxation.
-    fn tangent(
+    fn tangent_of_part(
         &mut self,
         part: &RecordedPart,
         (acting, branches): (&[Acting], &[Vec<BranchStep>]),
         loss: &mut [f64],
     ) -> Option<Tangent> {
         let (twin, q, gamma) = (self.twin, &part.coordinates, part.stencil.gamma);
-        let mut rest: Vec<f64> = twin.mass.iter().map(|m| m * gamma * gamma).collect();
+        let mut without_solids: Vec<f64> = twin.mass.iter().map(|m| m * gamma * gamma).collect();
         let mut work = PressureWork::none(q.len());
-        work.set(&twin.chambers, &part.pressures);
-        work.subtract_hessian(q, &mut rest);
+        work.set_pressures(&twin.chambers, &part.pressures);
+        work.subtract_hessian(q, &mut without_solids);
         if let Some(water) = &twin.water {
-            water.add_stiffness((q, &part.velocity), gamma, &mut rest);
+            water.add_stiffness((q, &part.velocity), gamma, &mut without_solids);
         }
-        let (mut stiffness, mut later) = (single_precision::triangle(q.len()), vec![Lanes::ZERO; q.len()]);
+        let (mut stiffness, mut later) = (single_precision::zero_triangle(q.len()), vec![Lanes::ZERO; q.len()]);
         for ((solid, acting), now) in self.solids.iter_mut().zip(acting).zip(branches) {
             solid.add_tangent(q, acting, now, (&mut stiffness, &mut later));
         }
         add_reduced(&later, loss);
-        let mut whole = rest.clone();
-        add_triangle(single_precision::sums(&stiffness), &mut whole);
-        Some(Tangent { rest, inverse: inverse(whole)? })
+        let mut full_tangent = without_solids.clone();
+        add_triangle(single_precision::lane_sums(&stiffness), &mut full_tangent);
+        Some(Tangent { rest: without_solids, inverse: inverse(full_tangent)? })
     }
 
     /// x of Kᵀ x = `right`, with the tangent of the part that is passed; none where it is singular.
     // Far from rest the stiffness of a soft direction may be lost in single precision beside that of a stiff sheet, and refinements do not converge:
     // the exact tangent then takes as many products as there are coordinates.
-    fn solve(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
-        self.refined(tangent, acting, right).or_else(|| self.solve_exactly(tangent, acting, right))
+    fn solve_transposed(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
+        self.refined_solution(tangent, acting, right).or_else(|| self.solve_exactly(tangent, acting, right))
     }
 
     /// Kᵀ x, in double precision.
@@ -185,14 +195,14 @@ impl<'a> Pass<'a> {
     }
 
     /// By the inverse in single precision and refinements; none where they do not converge.
-    fn refined(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
+    fn refined_solution(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
         let mut x = vec![0.0; right.len()];
         multiply_transposed(&tangent.inverse, right, &mut x);
         for _ in 0..MAX_REFINEMENTS {
             let image = self.transposed_product(tangent, acting, &x);
-            let left: Vec<f64> = right.iter().zip(&image).map(|(right, image)| right - image).collect();
+            let residual: Vec<f64> = right.iter().zip(&image).map(|(right, image)| right - image).collect();
             let mut change = vec![0.0; right.len()];
-            multiply_transposed(&tangent.inverse, &left, &mut change);
+            multiply_transposed(&tangent.inverse, &residual, &mut change);
             add(&mut x, 1.0, &change);
             if dot(&change, &change) <= REFINED * REFINED * dot(&x, &x) {
                 return Some(x);
@@ -202,21 +212,21 @@ impl<'a> Pass<'a> {
     }
 
     /// The derivatives of the water's part, whose factors' are summed.
-    fn water(&mut self, part: &RecordedPart, adjoints: [&[f64]; 2]) -> WaterGradient {
+    fn water_gradient(&mut self, part: &RecordedPart, adjoints: [&[f64]; 2]) -> WaterGradient {
         let motion = (&*part.coordinates, &*part.velocity);
-        let by = self.twin.water.as_ref().map(|water| water.adjoint(motion, part.stencil.gamma, adjoints));
-        let by = by.unwrap_or_else(|| WaterGradient::zero(part.coordinates.len()));
-        self.water.iter_mut().zip(by.by_factors).for_each(|(sum, by)| *sum += by);
-        by
+        let gradient = self.twin.water.as_ref().map(|water| water.adjoint(motion, part.stencil.gamma, adjoints));
+        let gradient = gradient.unwrap_or_else(|| WaterGradient::zero(part.coordinates.len()));
+        self.water.iter_mut().zip(gradient.by_factors).for_each(|(sum, gradient)| *sum += gradient);
+        gradient
     }
 
     /// Carries the adjoint to the two parts before by the stencil.
-    fn carry(&mut self, part: &RecordedPart, mut own: Pending, adjoint: &[f64]) {
+    fn carry_adjoint(&mut self, part: &RecordedPart, mut current: Pending, adjoint: &[f64]) {
         let mut momentum = vec![0.0; adjoint.len()];
         multiply(&self.twin.mass, adjoint, &mut momentum);
-        add(&mut own.velocity, part.stencil.gamma, &momentum);
+        add(&mut current.velocity, part.stencil.gamma, &momentum);
         for (pending, weight) in self.pending.iter_mut().zip(part.stencil.weights) {
-            add(&mut pending.coordinates, weight, &own.velocity);
+            add(&mut pending.coordinates, weight, &current.velocity);
             add(&mut pending.velocity, weight, &momentum);
             add(&mut pending.momentum, weight, adjoint);
         }
@@ -228,9 +238,9 @@ impl Pending {
         Self { coordinates: vec![0.0; r], velocity: vec![0.0; r], momentum: vec![0.0; r] }
     }
 
-    fn add(&mut self, by: &LossGradient) {
-        add(&mut self.coordinates, 1.0, &by.coordinates);
-        add(&mut self.velocity, 1.0, &by.velocity);
+    fn add_loss(&mut self, loss: &LossGradient) {
+        add(&mut self.coordinates, 1.0, &loss.coordinates);
+        add(&mut self.velocity, 1.0, &loss.velocity);
     }
 }
 
@@ -249,16 +259,16 @@ mod tests {
         let mut recording = twin.recording();
         (1..9).for_each(|n| twin.record(&mut recording, &[400.0 * f64::from(n), 0.0], 1.0 / 240.0).unwrap());
         let number = recording.parts.len() - 1;
-        let (segment, within) = place(number);
-        let (part, held) = (&recording.parts[number], twin.held(&recording, segment).swap_remove(within));
+        let (segment, within) = checkpoint_place(number);
+        let (part, held) = (&recording.parts[number], twin.held_stresses(&recording, segment).swap_remove(within));
         let mut pass = Pass::new(&twin);
-        let (branches, acting) = pass.acting(part, held);
+        let (branches, acting) = pass.acting_solids(part, held);
         let right: Vec<f64> = (0..twin.coordinates()).map(|k| 1.0 + k as f64).collect();
-        let mut tangent = pass.tangent(part, (&acting, &branches), &mut vec![0.0; right.len()]).unwrap();
-        let refined = pass.refined(&tangent, &acting, &right).unwrap();
+        let mut tangent = pass.tangent_of_part(part, (&acting, &branches), &mut vec![0.0; right.len()]).unwrap();
+        let refined = pass.refined_solution(&tangent, &acting, &right).unwrap();
         tangent.inverse.iter_mut().for_each(|entry| *entry *= 3.0);
-        assert_eq!(pass.refined(&tangent, &acting, &right), None);
-        let exact = pass.solve(&tangent, &acting, &right).unwrap();
+        assert_eq!(pass.refined_solution(&tangent, &acting, &right), None);
+        let exact = pass.solve_transposed(&tangent, &acting, &right).unwrap();
         let off: Vec<f64> = exact.iter().zip(&refined).map(|(a, b)| a - b).collect();
         assert!(dot(&off, &off) < 1e-16 * dot(&exact, &exact), "{exact:?} for {refined:?}");
     }

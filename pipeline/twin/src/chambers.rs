@@ -18,7 +18,7 @@ impl PressureWork {
     }
 
     /// Of these `pressures`, Pa.
-    pub fn set(&mut self, chambers: &[Chamber], pressures: &[f64]) {
+    pub fn set_pressures(&mut self, chambers: &[Chamber], pressures: &[f64]) {
         for part in [&mut self.linear, &mut self.quadratic, &mut self.cubic] {
             part.fill(0.0);
         }
@@ -36,7 +36,7 @@ impl PressureWork {
         for (row, q) in self.quadratic.chunks_exact(r).zip(q) {
             add(forces, -q, row);
         }
-        for ((i, j), column) in pairs(r).zip(self.cubic.chunks_exact(r)) {
+        for ((i, j), column) in index_pairs(r).zip(self.cubic.chunks_exact(r)) {
             let weight = if i == j { 0.5 } else { 1.0 };
             add(forces, -weight * q[i] * q[j], column);
         }
@@ -46,7 +46,7 @@ impl PressureWork {
     pub(crate) fn subtract_hessian(&self, q: &[f64], stiffness: &mut [f64]) {
         let r = q.len();
         add(stiffness, -1.0, &self.quadratic);
-        for ((i, j), column) in pairs(r).zip(self.cubic.chunks_exact(r)) {
+        for ((i, j), column) in index_pairs(r).zip(self.cubic.chunks_exact(r)) {
             add(&mut stiffness[i * r..(i + 1) * r], -q[j], column);
             if i != j {
                 add(&mut stiffness[j * r..(j + 1) * r], -q[i], column);
@@ -62,7 +62,7 @@ impl Chamber {
         for (row, q) in self.quadratic.chunks_exact(r).zip(q) {
             add(&mut gradient, *q, row);
         }
-        for ((i, j), column) in pairs(r).zip(self.cubic.chunks_exact(r)) {
+        for ((i, j), column) in index_pairs(r).zip(self.cubic.chunks_exact(r)) {
             let weight = if i == j { 0.5 } else { 1.0 };
             add(&mut gradient, weight * q[i] * q[j], column);
         }
@@ -78,13 +78,13 @@ impl Chamber {
             let weight = if i == j { 1.0 } else { 2.0 };
             weight * q[i] * q[j] * dot(column) / 6.0
         };
-        let cubic: f64 = pairs(r).zip(self.cubic.chunks_exact(r)).map(term).sum();
+        let cubic: f64 = index_pairs(r).zip(self.cubic.chunks_exact(r)).map(term).sum();
         self.at_rest + dot(&self.linear) + quadratic + cubic
     }
 }
 
 /// Pairs i ≤ j below `r`.
-fn pairs(r: usize) -> impl Iterator<Item = (usize, usize)> {
+fn index_pairs(r: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..r).flat_map(move |i| (i..r).map(move |j| (i, j)))
 }
 
@@ -107,7 +107,7 @@ mod tests {
             at_rest: 2.0,
             linear: a.to_vec(),
             quadratic: b.iter().flat_map(|x| b.map(|y| x * y)).collect(),
-            cubic: pairs(3).flat_map(column).collect(),
+            cubic: index_pairs(3).flat_map(column).collect(),
         };
         let dot = |x: &[f64; 3], q: &[f64]| x.iter().zip(q).map(|(x, q)| x * q).sum::<f64>();
         let q = [0.2, -0.4, 0.9];
@@ -115,7 +115,7 @@ mod tests {
         assert!((chamber.volume(&q) - exact).abs() < 1e-14);
         let gradient = chamber.volume_gradient(&q);
         let mut work = PressureWork::none(3);
-        work.set(&[chamber.clone(), chamber], &[3.0, 7.0]);
+        work.set_pressures(&[chamber.clone(), chamber], &[3.0, 7.0]);
         let (mut forces, mut stiffness) = ([0.0; 3], [0.0; 9]);
         work.subtract_gradient(&q, &mut forces);
         work.subtract_hessian(&q, &mut stiffness);

@@ -2,7 +2,7 @@
 
 use crate::data::{Region, TwinData};
 use crate::error::TwinError;
-use crate::layout::{Counts, numbers};
+use crate::layout::{Counts, array_numbers};
 
 /// Largest difference of a mass from its transposed one, relative to the masses of both coordinates: the rounding of a sum over elements.
 const ASYMMETRY: f64 = 1e-9;
@@ -12,32 +12,35 @@ type Checked = Result<(), String>;
 impl TwinData {
     /// # Errors
     /// [`TwinError::Data`] when the lengths do not agree or a number is out of range.
-    pub(crate) fn check(&self) -> Result<(), TwinError> {
-        self.fault().map_err(|what| TwinError::Data { what })
+    pub(crate) fn check_data(&self) -> Result<(), TwinError> {
+        self.find_fault().map_err(|what| TwinError::Data { what })
     }
 
     /// The same, as the text of what is wrong; it names the array as the file does.
-    pub(crate) fn fault(&self) -> Checked {
-        self.lengths()?;
-        names(&self.outputs)?;
-        positive("size", &[self.size])?;
-        mass(&self.mass, self.coordinates())?;
-        self.regions.iter().enumerate().try_for_each(|(i, own)| region(&format!("region{i}"), own))?;
+    pub(crate) fn find_fault(&self) -> Checked {
+        self.check_lengths()?;
+        check_names(&self.outputs)?;
+        check_positive("size", &[self.size])?;
+        check_mass(&self.mass, self.coordinates())?;
+        self.regions
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, properties)| check_region(&format!("region{i}"), properties))?;
         for (i, chamber) in self.chambers.iter().enumerate() {
-            positive(&format!("chamber{i}.at_rest"), &[chamber.at_rest])?;
+            check_positive(&format!("chamber{i}.at_rest"), &[chamber.at_rest])?;
         }
         self.sections.iter().try_for_each(|section| not_negative("sections.by", &section.by))
     }
 
     /// Every array has the numbers of its shape, and they are finite.
-    fn lengths(&self) -> Checked {
-        let counts = Counts::of(self);
+    fn check_lengths(&self) -> Checked {
+        let counts = Counts::of_data(self);
         let r = counts.coordinates;
         if r == 0 {
             return Err("`mass` is empty".to_owned());
         }
         // length: one list has an entry for each array of the other
-        for (array, values) in counts.arrays().iter().zip(numbers(self)) {
+        for (array, values) in counts.arrays().iter().zip(array_numbers(self)) {
             let (name, required) = (&array.name, array.shape.iter().product::<usize>());
             if values.len() != required {
                 return Err(format!("`{name}` has {} numbers, not {required}", values.len()));
@@ -57,7 +60,7 @@ impl TwinData {
 }
 
 /// Names of outputs are given by themselves to a program that looks for one, and separated by commas in the file.
-fn names(outputs: &[(String, Vec<f64>)]) -> Checked {
+fn check_names(outputs: &[(String, Vec<f64>)]) -> Checked {
     for (number, (name, _)) in outputs.iter().enumerate() {
         if name.is_empty() || name.contains(|c: char| c == ',' || c.is_control()) {
             return Err(format!("`outputs` has the name {name:?}, and names have letters and no comma"));
@@ -70,17 +73,19 @@ fn names(outputs: &[(String, Vec<f64>)]) -> Checked {
 }
 
 /// Symmetric, and positive definite: the kinetic energy of every motion is positive. Shown by Cholesky's factor.
-fn mass(mass: &[f64], r: usize) -> Checked {
+fn check_mass(mass: &[f64], r: usize) -> Checked {
     let mut factor = mass.to_vec();
     for i in 0..r {
         for j in 0..i {
-            let (own, other, scale) =
+            let (entry, mirror_entry, scale) =
                 (mass[i * r + j], mass[j * r + i], (mass[i * r + i] * mass[j * r + j]).abs().sqrt());
-            if (own - other).abs() > ASYMMETRY * scale {
-                return Err(format!("`mass` is not symmetric: {own} in row {i}, column {j}, and {other} across"));
+            if (entry - mirror_entry).abs() > ASYMMETRY * scale {
+                return Err(format!(
+                    "`mass` is not symmetric: {entry} in row {i}, column {j}, and {mirror_entry} across"
+                ));
             }
             let products: f64 = (0..j).map(|k| factor[i * r + k] * factor[j * r + k]).sum();
-            factor[i * r + j] = (own - products) / factor[j * r + j];
+            factor[i * r + j] = (entry - products) / factor[j * r + j];
         }
         let pivot = mass[i * r + i] - (0..i).map(|k| factor[i * r + k].powi(2)).sum::<f64>();
         if pivot.is_nan() || pivot <= 0.0 {
@@ -91,19 +96,19 @@ fn mass(mass: &[f64], r: usize) -> Checked {
     Ok(())
 }
 
-fn region(name: &str, region: &Region) -> Checked {
-    positive(&format!("{name}.moduli"), &[region.mu])?;
+fn check_region(name: &str, region: &Region) -> Checked {
+    check_positive(&format!("{name}.moduli"), &[region.mu])?;
     let bulk = region.lambda + region.mu * 2.0 / 3.0;
     if bulk.is_nan() || bulk <= 0.0 {
         return Err(format!("`{name}.moduli` give a bulk modulus of {bulk}, and must give one above 0"));
     }
     let part = |k: usize| region.branches.iter().map(|branch| branch[k]).collect::<Vec<f64>>();
     not_negative(&format!("{name}.branches"), &part(0))?;
-    positive(&format!("{name}.branches"), &part(1))?;
-    positive(&format!("{name}.weights"), &region.weights)
+    check_positive(&format!("{name}.branches"), &part(1))?;
+    check_positive(&format!("{name}.weights"), &region.weights)
 }
 
-fn positive(name: &str, values: &[f64]) -> Checked {
+fn check_positive(name: &str, values: &[f64]) -> Checked {
     match values.iter().find(|value| !(**value > 0.0 && value.is_finite())) {
         Some(value) => Err(format!("`{name}` has {value} where a number above 0 must stand")),
         None => Ok(()),

@@ -48,12 +48,12 @@ pub(crate) fn multiply_transposed(matrix: &[f64], x: &[f64], image: &mut [f64]) 
 
 /// Updates an inverse H after a step −`change` = −H r that left the residual whose image is `next` = H r⁺, by Broyden's first
 /// method; `next` becomes the image under the updated inverse. Returns whether it was updated.
-pub(crate) fn broyden(inverse: &mut [f64], change: &[f64], next: &mut [f64]) -> bool {
+pub(crate) fn broyden_update(inverse: &mut [f64], change: &[f64], next: &mut [f64]) -> bool {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (along, length) = (dot(change, next), dot(change, change));
-    let left = length - along;
+    let (projection, length) = (dot(change, next), dot(change, change));
+    let remainder = length - projection;
     // The update divides by 1 − θ with θ the part of the step that is left; it is kept away from zero.
-    if left < 0.1 * length {
+    if remainder < 0.1 * length {
         return false;
     }
     let n = change.len();
@@ -62,9 +62,9 @@ pub(crate) fn broyden(inverse: &mut [f64], change: &[f64], next: &mut [f64]) -> 
         add(&mut row, *change, part);
     }
     for (part, next) in inverse.chunks_exact_mut(n).zip(&*next) {
-        add(part, next / left, &row);
+        add(part, next / remainder, &row);
     }
-    next.iter_mut().for_each(|entry| *entry *= length / left);
+    next.iter_mut().for_each(|entry| *entry *= length / remainder);
     true
 }
 
@@ -102,7 +102,7 @@ mod tests {
         let (mut change, mut next) = ([0.0; 3], [0.0; 3]);
         multiply(&own, &before, &mut change);
         multiply(&own, &after, &mut next);
-        assert!(broyden(&mut own, &change, &mut next));
+        assert!(broyden_update(&mut own, &change, &mut next));
         let mut image = [0.0; 3];
         multiply(&own, &[0, 1, 2].map(|k| after[k] - before[k]), &mut image);
         (0..3).for_each(|k| assert!((image[k] + change[k]).abs() < 1e-14));

@@ -5,7 +5,7 @@
 use wide::f32x8;
 
 use crate::data::Region;
-use crate::lanes::{Blocks, LANES, Lanes, each, gather, scatter};
+use crate::lanes::{Blocks, LANES, Lanes, gather, per_lane, scatter};
 use crate::law::{Constants, Deformed, NOTHING, Symmetric};
 use crate::single_precision::SingleGradients;
 
@@ -44,47 +44,48 @@ impl Solid {
         let count = region.weights.len();
         let gradients = Blocks::new(count, r, |point, m, k| region.gradients[(point * r + m) * 9 + k]);
         let weight = |point: usize| region.weights.get(point).copied().unwrap_or(0.0);
-        let weights: Vec<Lanes> = (0..gradients.count()).map(|block| each(|i| weight(LANES * block + i))).collect();
+        let weights: Vec<Lanes> =
+            (0..gradients.block_count()).map(|block| per_lane(|i| weight(LANES * block + i))).collect();
         let single = SingleGradients::new(&gradients, &weights);
         let Region { mu, lambda, stiffening, ref branches, .. } = *region;
         Self { mu, lambda, stiffening, branches: branches.clone(), weights, gradients, single }
     }
 
-    pub fn blocks(&self) -> usize {
+    pub fn block_count(&self) -> usize {
         self.weights.len()
     }
 
     /// The constants of a step in which branches add `gain` to μ, relative.
-    pub fn constants(&self, gain: f64) -> Constants {
+    pub fn constants_with_gain(&self, gain: f64) -> Constants {
         Constants { mu: self.mu * (1.0 + gain), lambda: self.lambda, stiffening: self.stiffening }
     }
 
-    /// Adds f (J) at q; `left` receives the stresses there.
+    /// Adds f (J) at q; `stresses` receives the stresses there.
     // They are kept from the last residual: reading the gradients once more after a step would cost a third of a residual, and the
     // state moves by less than the tolerance in between.
-    pub fn add_forces(&self, q: &[f64], acting: &Acting, (forces, left): (&mut [Lanes], &mut Stresses)) {
-        left.law.reserve(self.blocks());
-        left.relaxing.reserve(self.blocks());
+    pub fn add_forces(&self, q: &[f64], acting: &Acting, (forces, stresses): (&mut [Lanes], &mut Stresses)) {
+        stresses.law.reserve(self.block_count());
+        stresses.relaxing.reserve(self.block_count());
         for (block, weight) in self.weights.iter().enumerate() {
             let gradients = self.gradients.block(block);
-            let here = Deformed::new(&gather(gradients, q), &acting.constants);
-            scatter(gradients, &here.stress(&acting.constants, acting.held.get(block), *weight), forces);
-            let relaxing = here.relaxing();
-            left.law.push(here.second_stress(&acting.constants, &relaxing));
-            left.relaxing.push(relaxing);
+            let deformed = Deformed::new(&gather(gradients, q), &acting.constants);
+            scatter(gradients, &deformed.stress(&acting.constants, acting.held.get(block), *weight), forces);
+            let relaxing = deformed.relaxing_stress();
+            stresses.law.push(deformed.second_stress(&acting.constants, &relaxing));
+            stresses.relaxing.push(relaxing);
         }
     }
 
-    /// Adds the upper triangle of K (J) at q, row after row, its geometric part with the stresses of the law `before` the step.
-    pub fn add_stiffness(&self, q: &[f64], (acting, before): (&Acting, &[Symmetric]), stiffness: &mut [f32x8]) {
-        for block in 0..self.blocks() {
+    /// Adds the upper triangle of K (J) at q, row after row, its geometric part with the stresses of the law `former_stress` the step.
+    pub fn add_stiffness(&self, q: &[f64], (acting, former_stress): (&Acting, &[Symmetric]), stiffness: &mut [f32x8]) {
+        for block in 0..self.block_count() {
             let gradients = self.gradients.block(block);
-            let here = Deformed::new(&gather(gradients, q), &acting.constants);
-            let now = here.second_stress(&acting.constants, &here.relaxing());
-            let held = acting.held.get(block).copied().unwrap_or(NOTHING);
-            let before = before.get(block).copied().unwrap_or(now);
-            let geometric: Symmetric = std::array::from_fn(|k| held[k] + before[k] - now[k]);
-            self.single.add_tangent(block, &here, (&acting.constants, &geometric), stiffness);
+            let deformed = Deformed::new(&gather(gradients, q), &acting.constants);
+            let now = deformed.second_stress(&acting.constants, &deformed.relaxing_stress());
+            let held_stress = acting.held.get(block).copied().unwrap_or(NOTHING);
+            let former_stress = former_stress.get(block).copied().unwrap_or(now);
+            let geometric: Symmetric = std::array::from_fn(|k| held_stress[k] + former_stress[k] - now[k]);
+            self.single.add_tangent(block, &deformed, (&acting.constants, &geometric), stiffness);
         }
     }
 }

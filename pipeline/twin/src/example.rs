@@ -14,17 +14,17 @@ const R: usize = 7;
 const ARM: f64 = 6e-8;
 
 /// Displacement of the axis along x and y by coordinate `m` at ξ = x/L, and its first and second derivative by x.
-fn shape(m: usize, at: f64) -> [[f64; 2]; 3] {
+fn mode_shape(m: usize, xi: f64) -> [[f64; 2]; 3] {
     let power = if m < 3 { m + 2 } else { m - 2 } as i32;
     let [n, l] = [f64::from(power), LENGTH];
-    let second = if power > 1 { n * (n - 1.0) * at.powi(power - 2) / (l * l) } else { 0.0 };
-    let of = [at.powi(power), n * at.powi(power - 1) / l, second];
-    of.map(|value| if m < 3 { [0.0, value] } else { [value, 0.0] })
+    let second = if power > 1 { n * (n - 1.0) * xi.powi(power - 2) / (l * l) } else { 0.0 };
+    let derivatives = [xi.powi(power), n * xi.powi(power - 1) / l, second];
+    derivatives.map(|value| if m < 3 { [0.0, value] } else { [value, 0.0] })
 }
 
 /// ∂F/∂q of coordinate `m` at ξ and a distance from the axis.
-fn gradient(m: usize, at: f64, y: f64) -> [f64; 9] {
-    let [_, slope, curvature] = shape(m, at);
+fn mode_gradient(m: usize, xi: f64, y: f64) -> [f64; 9] {
+    let [_, slope, curvature] = mode_shape(m, xi);
     let mut gradient = [0.0; 9];
     gradient[0] = slope[0] - y * curvature[1];
     gradient[1] = slope[1];
@@ -32,27 +32,27 @@ fn gradient(m: usize, at: f64, y: f64) -> [f64; 9] {
     gradient
 }
 
-fn middles(count: usize) -> impl Iterator<Item = f64> + Clone {
+fn interval_middles(count: usize) -> impl Iterator<Item = f64> + Clone {
     (0..count).map(move |i| (i as f64 + 0.5) / count as f64)
 }
 
-/// Matrix of the integral of products of shapes along the beam, times `by`.
-fn products(by: f64) -> Vec<f64> {
+/// Matrix of the integral of products of shapes along the beam, times `factor`.
+fn shape_products(factor: f64) -> Vec<f64> {
     let product = |m: usize, n: usize| {
-        let at = |x: f64| (0..2).map(|k| shape(m, x)[0][k] * shape(n, x)[0][k]).sum::<f64>();
-        by * middles(200).map(at).sum::<f64>() / 200.0
+        let integrand = |x: f64| (0..2).map(|k| mode_shape(m, x)[0][k] * mode_shape(n, x)[0][k]).sum::<f64>();
+        factor * interval_middles(200).map(integrand).sum::<f64>() / 200.0
     };
-    (0..R * R).map(|at| product(at / R, at % R)).collect()
+    (0..R * R).map(|entry| product(entry / R, entry % R)).collect()
 }
 
 /// The beam, in water or in air.
 pub fn beam(wet: bool) -> TwinData {
-    let across = [-0.8611363, -0.3399810, 0.3399810, 0.8611363].map(|y| 0.5 * HEIGHT * y);
+    let heights = [-0.8611363, -0.3399810, 0.3399810, 0.8611363].map(|y| 0.5 * HEIGHT * y);
     let shares = [0.3478548, 0.6521452, 0.6521452, 0.3478548].map(|w| 0.5 * w);
-    let places: Vec<(f64, usize)> = middles(20).flat_map(|x| (0..4).map(move |k| (x, k))).collect();
+    let places: Vec<(f64, usize)> = interval_middles(20).flat_map(|x| (0..4).map(move |k| (x, k))).collect();
     let weights = places.iter().map(|(_, k)| AREA * LENGTH / 20.0 * shares[*k]).collect();
     let gradients =
-        places.iter().flat_map(|(x, k)| (0..R).flat_map(|m| gradient(m, *x, across[*k])).collect::<Vec<_>>());
+        places.iter().flat_map(|(x, k)| (0..R).flat_map(|m| mode_gradient(m, *x, heights[*k])).collect::<Vec<_>>());
     let region = Region {
         mu: 7e4,
         lambda: 1e5,
@@ -63,21 +63,22 @@ pub fn beam(wet: bool) -> TwinData {
     };
     let chamber = |sign: f64| Chamber {
         at_rest: 1e-5,
-        linear: (0..R).map(|m| sign * ARM * shape(m, 1.0)[1][1]).collect(),
+        linear: (0..R).map(|m| sign * ARM * mode_shape(m, 1.0)[1][1]).collect(),
         quadratic: vec![0.0; R * R],
         cubic: vec![0.0; R * R * (R + 1) / 2],
     };
-    let row = |k: usize, order: usize, at: f64| (0..R).map(|m| shape(m, at)[order][k]).collect::<Vec<f64>>();
-    let both = |order: usize, at: f64| [row(0, order, at), row(1, order, at)].concat();
-    let section = |(at, last): (f64, bool)| {
+    let row = |k: usize, order: usize, xi: f64| (0..R).map(|m| mode_shape(m, xi)[order][k]).collect::<Vec<f64>>();
+    let both = |order: usize, xi: f64| [row(0, order, xi), row(1, order, xi)].concat();
+    let section = |(xi, last): (f64, bool)| {
         let (mass, drag, length) =
             (0.25 * std::f64::consts::PI * 998.0 * 4e-4, 5.0 * 0.5 * 998.0 * 0.02, LENGTH / 12.0);
-        let by = if last { [0.0, 0.0, 0.0, mass] } else { [mass * length, drag * length, mass * length, 0.0] };
-        Section { slope: both(1, at), value: both(0, at), by }
+        let coefficients =
+            if last { [0.0, 0.0, 0.0, mass] } else { [mass * length, drag * length, mass * length, 0.0] };
+        Section { slope: both(1, xi), value: both(0, xi), by: coefficients }
     };
-    let sections = middles(12).map(|at| (at, false)).chain([(1.0, true)]).map(section);
+    let sections = interval_middles(12).map(|xi| (xi, false)).chain([(1.0, true)]).map(section);
     TwinData {
-        mass: products(DENSITY * AREA * LENGTH),
+        mass: shape_products(DENSITY * AREA * LENGTH),
         size: 0.02,
         regions: vec![region],
         chambers: vec![chamber(1.0), chamber(-1.0)],

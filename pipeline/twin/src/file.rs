@@ -12,8 +12,8 @@ use safetensors::{Dtype, tensor::TensorView};
 
 use crate::data::TwinData;
 use crate::error::TwinError;
-use crate::layout::{Array, Counts, numbers};
-use crate::unpack::{COUNTS, OUTPUTS, unpack};
+use crate::layout::{Array, Counts, array_numbers};
+use crate::unpack::{COUNTS, OUTPUTS, unpack_file};
 
 /// Limit of a file that is read, bytes: a thousand times that of a tail of 40 coordinates.
 const LARGEST: u64 = 512 << 20;
@@ -23,7 +23,7 @@ const LARGEST: u64 = 512 << 20;
 /// # Errors
 /// [`TwinError::Data`] when they do not belong together, [`TwinError::File`] when the file cannot be written.
 pub fn write(path: &Path, data: &TwinData) -> Result<(), TwinError> {
-    fs::write(path, bytes(data)?).map_err(|e| refused(path, e))
+    fs::write(path, bytes(data)?).map_err(|e| refused_file(path, e))
 }
 
 /// Reads a tail's arrays.
@@ -31,7 +31,7 @@ pub fn write(path: &Path, data: &TwinData) -> Result<(), TwinError> {
 /// # Errors
 /// [`TwinError::File`] when the file is no regular one, is larger than 512 MiB, cannot be read, or [`parse`] refuses it.
 pub fn read(path: &Path) -> Result<TwinData, TwinError> {
-    parse(&regular(path).map_err(|e| refused(path, e))?, path)
+    parse(&read_regular(path).map_err(|e| refused_file(path, e))?, path)
 }
 
 /// The tail in the content of the file `path`.
@@ -39,14 +39,14 @@ pub fn read(path: &Path) -> Result<TwinData, TwinError> {
 /// # Errors
 /// [`TwinError::File`] when an array is missing, cut, of another shape or type, or none of a tail, or a number is out of range.
 pub fn parse(bytes: &[u8], path: &Path) -> Result<TwinData, TwinError> {
-    let data = unpack(bytes).map_err(|what| refused(path, what))?;
-    data.fault().map_err(|what| refused(path, what))?;
+    let data = unpack_file(bytes).map_err(|what| refused_file(path, what))?;
+    data.find_fault().map_err(|what| refused_file(path, what))?;
     Ok(data)
 }
 
 /// The bytes of a regular file below the limit.
 // A pipe or a device would never end, and a file may grow while it is read.
-fn regular(path: &Path) -> io::Result<Vec<u8>> {
+fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
     let mut bytes = Vec::new();
     if !metadata.is_file() {
@@ -60,8 +60,8 @@ fn regular(path: &Path) -> io::Result<Vec<u8>> {
     if length > LARGEST { Err(io::Error::new(ErrorKind::FileTooLarge, text())) } else { Ok(bytes) }
 }
 
-fn refused(path: &Path, what: impl std::fmt::Display) -> TwinError {
-    TwinError::File { file: path.display().to_string(), what: what.to_string() }
+fn refused_file(path: &Path, message: impl std::fmt::Display) -> TwinError {
+    TwinError::File { file: path.display().to_string(), what: message.to_string() }
 }
 
 /// The file's content.
@@ -69,8 +69,8 @@ fn refused(path: &Path, what: impl std::fmt::Display) -> TwinError {
 /// # Errors
 /// [`TwinError::Data`] when the arrays do not belong together.
 pub fn bytes(data: &TwinData) -> Result<Vec<u8>, TwinError> {
-    data.check()?;
-    let (counts, numbers) = (Counts::of(data), numbers(data));
+    data.check_data()?;
+    let (counts, numbers) = (Counts::of_data(data), array_numbers(data));
     let raw: Vec<Vec<u8>> =
         numbers.iter().map(|values| values.iter().flat_map(|value| value.to_le_bytes()).collect()).collect();
     // length: the check above holds each list of numbers against its array
@@ -91,11 +91,11 @@ fn with_counts(bytes: &[u8], counts: &Counts) -> Vec<u8> {
     const BEGIN: &str = "{\"__metadata__\":{";
     let length = bytes.first_chunk().map_or(0, |length| u64::from_le_bytes(*length)) as usize;
     let (header, arrays) = bytes[size_of::<u64>()..].split_at(length);
-    let mut whole = format!("{BEGIN}\"{COUNTS}\":\"{}\",", counts.text()).into_bytes();
-    whole.extend(header[BEGIN.len()..].trim_ascii_end());
+    let mut new_header = format!("{BEGIN}\"{COUNTS}\":\"{}\",", counts.as_text()).into_bytes();
+    new_header.extend(header[BEGIN.len()..].trim_ascii_end());
     // arrays begin at multiples of eight bytes
-    whole.resize(whole.len().next_multiple_of(size_of::<u64>()), b' ');
-    [&(whole.len() as u64).to_le_bytes(), &*whole, arrays].concat()
+    new_header.resize(new_header.len().next_multiple_of(size_of::<u64>()), b' ');
+    [&(new_header.len() as u64).to_le_bytes(), &*new_header, arrays].concat()
 }
 
 /// A page that describes every array of the file with its shape and unit, and the equations.
@@ -104,7 +104,7 @@ pub fn page(data: &TwinData) -> String {
         format!("{:20} {:14} {:20} {}\n", array.name, format!("{:?}", array.shape), array.unit, array.meaning)
     };
     let names: Vec<&str> = data.outputs.iter().map(|(name, _)| &**name).collect();
-    let arrays: String = Counts::of(data).arrays().iter().map(line).collect();
+    let arrays: String = Counts::of_data(data).arrays().iter().map(line).collect();
     format!(
         "{EQUATIONS}\n{:20} {:14} {:20} meaning\n{arrays}\noutputs: {}\n",
         "array",

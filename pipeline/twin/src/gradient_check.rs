@@ -68,15 +68,15 @@ type Change = Box<dyn Fn(&mut Motion, f64)>;
 /// [`TwinError`] when the arrays do not belong together or a step is not found.
 pub fn run(name: &str, data: &TwinData, steps: usize) -> Result<TwinGradientReport, TwinError> {
     let motion = Motion::new(data, steps)?;
-    let (twin, recording) = motion.recorded()?;
-    let by = twin.adjoint(&recording, &mut |step| instant(data.size, &recording, step).1)?;
-    let changes = changes(&motion, &by);
-    let largest = changes.iter().fold(0.0, |most: f64, (_, own, _)| most.max(own.abs()));
+    let (twin, recording) = motion.record_motion()?;
+    let gradient = twin.adjoint(&recording, &mut |step| step_loss(data.size, &recording, step).1)?;
+    let changes = parameter_changes(&motion, &gradient);
+    let largest = changes.iter().fold(0.0, |greatest: f64, (_, derivative, _)| greatest.max(derivative.abs()));
     let lines = changes.into_iter().map(|(name, backward, change)| {
-        line(name, [backward, SMALL * largest], |part| {
+        evaluate_parameter(name, [backward, SMALL * largest], |part| {
             let mut motion = motion.clone();
             change(&mut motion, part);
-            motion.loss()
+            motion.total_loss()
         })
     });
     Ok(TwinGradientReport {
@@ -89,48 +89,49 @@ pub fn run(name: &str, data: &TwinData, steps: usize) -> Result<TwinGradientRepo
 impl Motion {
     /// Under the least power of two of a pascal that bends it far enough.
     fn new(data: &TwinData, steps: usize) -> Result<Self, TwinError> {
-        let mut most = 1.0;
+        let mut amplitude = 1.0;
         loop {
-            let motion = Self { data: data.clone(), pressures: pressures(most, data.chambers.len(), steps) };
-            let (_, recording) = motion.recorded()?;
+            let motion =
+                Self { data: data.clone(), pressures: pressure_histories(amplitude, data.chambers.len(), steps) };
+            let (_, recording) = motion.record_motion()?;
             let shapes = (0..steps).flat_map(|step| recording.coordinates(step));
             let far = shapes.fold(0.0, |far: f64, q| far.max(q.abs()));
             // a tail without chambers does not move
             if far > FAR * data.size || far == 0.0 {
                 return Ok(motion);
             }
-            most *= 2.0;
+            amplitude *= 2.0;
         }
     }
 
-    fn recorded(&self) -> Result<(Twin, Recording), TwinError> {
+    fn record_motion(&self) -> Result<(Twin, Recording), TwinError> {
         let twin = Twin::new(self.data.clone())?.with_tolerance(TOLERANCE);
         let mut recording = twin.recording();
         self.pressures.iter().try_for_each(|pressures| twin.record(&mut recording, pressures, 1.0 / RATE))?;
         Ok((twin, recording))
     }
 
-    fn loss(&self) -> Result<f64, TwinError> {
-        let (_, recording) = self.recorded()?;
-        Ok((0..self.pressures.len()).map(|step| instant(self.data.size, &recording, step).0).sum())
+    fn total_loss(&self) -> Result<f64, TwinError> {
+        let (_, recording) = self.record_motion()?;
+        Ok((0..self.pressures.len()).map(|step| step_loss(self.data.size, &recording, step).0).sum())
     }
 }
 
 /// Pressures of chambers that are filled in turn, Pa: steps × chambers.
-fn pressures(most: f64, chambers: usize, steps: usize) -> Vec<Vec<f64>> {
-    let at = |t: f64, chamber: usize| {
+fn pressure_histories(amplitude: f64, chambers: usize, steps: usize) -> Vec<Vec<f64>> {
+    let pressure_at = |t: f64, chamber: usize| {
         let phase = std::f64::consts::TAU * chamber as f64 / chambers as f64;
-        most * (1.0 - (-BEAT[1] * t).exp()) * (1.0 + (BEAT[0] * t + phase).sin())
+        amplitude * (1.0 - (-BEAT[1] * t).exp()) * (1.0 + (BEAT[0] * t + phase).sin())
     };
-    (1..=steps).map(|step| (0..chambers).map(|chamber| at(step as f64 / RATE, chamber)).collect()).collect()
+    (1..=steps).map(|step| (0..chambers).map(|chamber| pressure_at(step as f64 / RATE, chamber)).collect()).collect()
 }
 
 /// The part of one step in the loss, and its derivatives: Σ (l + ½ l²) over l = Σ w q/s and l = Σ w q̇/(s BEAT).
-fn instant(size: f64, recording: &Recording, step: usize) -> (f64, LossGradient) {
-    let part = |of: &[f64], size: f64| {
+fn step_loss(size: f64, recording: &Recording, step: usize) -> (f64, LossGradient) {
+    let part = |values: &[f64], size: f64| {
         let weight = |m: usize| (0.37 * (m + 1) as f64 + 0.11 * step as f64).sin() / size;
-        let l: f64 = of.iter().enumerate().map(|(m, x)| weight(m) * x).sum();
-        (l + 0.5 * l * l, (0..of.len()).map(|m| weight(m) * (1.0 + l)).collect::<Vec<_>>())
+        let l: f64 = values.iter().enumerate().map(|(m, x)| weight(m) * x).sum();
+        (l + 0.5 * l * l, (0..values.len()).map(|m| weight(m) * (1.0 + l)).collect::<Vec<_>>())
     };
     let (shape, coordinates) = part(recording.coordinates(step), size);
     let (speed, velocity) = part(recording.velocity(step), size * BEAT[0]);
@@ -138,54 +139,59 @@ fn instant(size: f64, recording: &Recording, step: usize) -> (f64, LossGradient)
 }
 
 /// Every parameter: its name, the derivative by its logarithm, and its change.
-fn changes(motion: &Motion, by: &MotionGradient) -> Vec<(String, f64, Change)> {
-    let of_regions = (0..motion.data.regions.len()).flat_map(|region| region_changes(motion, by, region));
+fn parameter_changes(motion: &Motion, gradient: &MotionGradient) -> Vec<(String, f64, Change)> {
+    let of_regions = (0..motion.data.regions.len()).flat_map(|region| region_changes(motion, gradient, region));
     let of_chambers = (0..motion.data.chambers.len()).map(|chamber| {
-        let own = by.pressures.iter().zip(&motion.pressures).map(|(by, p)| by[chamber] * p[chamber]).sum();
+        let derivative =
+            gradient.pressures.iter().zip(&motion.pressures).map(|(gradient, p)| gradient[chamber] * p[chamber]).sum();
         let change = move |motion: &mut Motion, part: f64| {
             motion.pressures.iter_mut().for_each(|pressures| pressures[chamber] *= 1.0 + part);
         };
-        (format!("chamber {chamber}, pressure"), own, Box::new(change) as Change)
+        (format!("chamber {chamber}, pressure"), derivative, Box::new(change) as Change)
     });
-    let mut all: Vec<_> = of_regions.chain(of_chambers).collect();
+    let mut changes: Vec<_> = of_regions.chain(of_chambers).collect();
     if !motion.data.sections.is_empty() {
-        all.push((
+        changes.push((
             "water, added mass".into(),
-            by.water[0],
+            gradient.water[0],
             Box::new(|motion, part| scale_water(motion, part, &[0, 2, 3])),
         ));
-        all.push(("water, drag".into(), by.water[1], Box::new(|motion, part| scale_water(motion, part, &[1]))));
+        changes.push((
+            "water, drag".into(),
+            gradient.water[1],
+            Box::new(|motion, part| scale_water(motion, part, &[1])),
+        ));
     }
-    all
+    changes
 }
 
 /// The parameters of one region that are not zero.
-fn region_changes(motion: &Motion, by: &MotionGradient, region: usize) -> Vec<(String, f64, Change)> {
-    let (of, by) = (&motion.data.regions[region], &by.regions[region]);
-    let mut all: Vec<(String, f64, Change)> = vec![
+fn region_changes(motion: &Motion, gradient: &MotionGradient, region: usize) -> Vec<(String, f64, Change)> {
+    let (properties, gradient) = (&motion.data.regions[region], &gradient.regions[region]);
+    let mut changes: Vec<(String, f64, Change)> = vec![
         (
             format!("region {region}, mu"),
-            by.mu * of.mu,
+            gradient.mu * properties.mu,
             Box::new(move |m, part| m.data.regions[region].mu *= 1.0 + part),
         ),
         (
             format!("region {region}, lambda"),
-            by.lambda * of.lambda,
+            gradient.lambda * properties.lambda,
             Box::new(move |m, part| m.data.regions[region].lambda *= 1.0 + part),
         ),
     ];
-    for term in (0..2).filter(|term| of.stiffening[*term] != 0.0) {
+    for term in (0..2).filter(|term| properties.stiffening[*term] != 0.0) {
         let change = move |m: &mut Motion, part: f64| m.data.regions[region].stiffening[term] *= 1.0 + part;
-        let own = by.stiffening[term] * of.stiffening[term];
-        all.push((format!("region {region}, C{}0", term + 2), own, Box::new(change)));
+        let derivative = gradient.stiffening[term] * properties.stiffening[term];
+        changes.push((format!("region {region}, C{}0", term + 2), derivative, Box::new(change)));
     }
-    for (branch, which) in (0..of.branches.len()).flat_map(|branch| [(branch, 0), (branch, 1)]) {
+    for (branch, which) in (0..properties.branches.len()).flat_map(|branch| [(branch, 0), (branch, 1)]) {
         let change = move |m: &mut Motion, part: f64| m.data.regions[region].branches[branch][which] *= 1.0 + part;
-        let own = by.branches[branch][which] * of.branches[branch][which];
+        let derivative = gradient.branches[branch][which] * properties.branches[branch][which];
         let name = format!("region {region}, {} of branch {branch}", ["strength", "time"][which]);
-        all.push((name, own, Box::new(change)));
+        changes.push((name, derivative, Box::new(change)));
     }
-    all
+    changes
 }
 
 fn scale_water(motion: &mut Motion, part: f64, numbers: &[usize]) {
@@ -194,20 +200,20 @@ fn scale_water(motion: &mut Motion, part: f64, numbers: &[usize]) {
     }
 }
 
-/// Evaluates the result for one parameter from losses at its changes; `least` is what a difference is compared with at least.
-fn line(
+/// Evaluates the result for one parameter from losses at its changes; `smallest_scale` is what a difference is compared with at least.
+fn evaluate_parameter(
     name: String,
-    [backward, least]: [f64; 2],
+    [backward, smallest_scale]: [f64; 2],
     loss: impl Fn(f64) -> Result<f64, TwinError>,
 ) -> Result<Line, TwinError> {
     let [above, below] = [loss(PART)?, loss(-PART)?];
     let [near_above, near_below] = [loss(0.5 * PART)?, loss(-0.5 * PART)?];
     let difference = (8.0 * (near_above - near_below) - (above - below)) / (6.0 * PART);
-    let here = loss(0.0)?;
-    let left = |there: f64, part: f64| (there - here - part * backward).abs();
-    let (far, near) = (left(above, PART), left(near_above, 0.5 * PART));
-    let straight = far < STRAIGHT * (above - below).abs().max(least * PART);
-    let off_differences = (backward - difference).abs() / difference.abs().max(least).max(f64::MIN_POSITIVE);
+    let unchanged = loss(0.0)?;
+    let remainder = |there: f64, part: f64| (there - unchanged - part * backward).abs();
+    let (far, near) = (remainder(above, PART), remainder(near_above, 0.5 * PART));
+    let straight = far < STRAIGHT * (above - below).abs().max(smallest_scale * PART);
+    let off_differences = (backward - difference).abs() / difference.abs().max(smallest_scale).max(f64::MIN_POSITIVE);
     Ok(Line { name, backward, off_differences, slope: (!straight).then(|| (far / near).log2()) })
 }
 
@@ -259,15 +265,17 @@ mod tests {
 
     #[test]
     fn a_gradient_off_by_a_hundred_thousandth_fails() {
-        let judged =
-            |off: f64| line("e".into(), [1f64.exp() * (1.0 + off), 0.0], |part| Ok((1.0 + part).exp())).unwrap();
+        let judged = |off: f64| {
+            evaluate_parameter("e".into(), [1f64.exp() * (1.0 + off), 0.0], |part| Ok((1.0 + part).exp())).unwrap()
+        };
         assert!(judged(0.0).holds() && !judged(1e-5).holds());
     }
 
     #[test]
     fn a_report_holds_when_it_has_lines_and_each_of_them_does() {
-        let judged =
-            |off: f64| line("e".into(), [1f64.exp() * (1.0 + off), 0.0], |part| Ok((1.0 + part).exp())).unwrap();
+        let judged = |off: f64| {
+            evaluate_parameter("e".into(), [1f64.exp() * (1.0 + off), 0.0], |part| Ok((1.0 + part).exp())).unwrap()
+        };
         let report = |lines: Vec<Line>| TwinGradientReport { name: "e".into(), coordinates: 1, lines };
         assert!(report(vec![judged(0.0), judged(0.0)]).holds());
         assert!(!report(vec![judged(0.0), judged(1e-3)]).holds() && !report(Vec::new()).holds());
@@ -275,9 +283,9 @@ mod tests {
 
     #[test]
     fn a_remainder_falls_with_the_square_of_the_change_and_a_line_has_none() {
-        let curved = line("e".into(), [1f64.exp(), 0.0], |part| Ok((1.0 + part).exp())).unwrap();
+        let curved = evaluate_parameter("e".into(), [1f64.exp(), 0.0], |part| Ok((1.0 + part).exp())).unwrap();
         assert!((curved.slope.unwrap() - 2.0).abs() < 0.01 && curved.off_differences < 1e-9, "{:?}", curved.slope);
-        let straight = line("a".into(), [3.0, 0.0], |part| Ok(1.0 + 3.0 * part)).unwrap();
+        let straight = evaluate_parameter("a".into(), [3.0, 0.0], |part| Ok(1.0 + 3.0 * part)).unwrap();
         assert!(straight.slope.is_none() && straight.off_differences < 1e-9);
     }
 }

@@ -32,11 +32,11 @@ impl FactorSlopes {
     /// Of a branch of this strength and time over `step` seconds.
     pub fn new([strength, time]: [f64; 2], step: f64) -> Self {
         let (x, decay) = (step / time, (-step / time).exp());
-        let left = -(-x).exp_m1();
+        let relaxed_part = -(-x).exp_m1();
         Self {
             decay_by_time: decay * x / time,
-            gain_by_time: strength * (left - x * decay) / (x * time),
-            gain_by_strength: left / x,
+            gain_by_time: strength * (relaxed_part - x * decay) / (x * time),
+            gain_by_strength: relaxed_part / x,
         }
     }
 }
@@ -66,25 +66,28 @@ impl History {
     }
 
     /// H of each block over a step: μ Σ (d Q − a S), Pa; `held` is filled.
-    pub fn hold(&self, mu: f64, factors: &[Factors], held: &mut Vec<Symmetric>) {
+    pub fn hold_stress(&self, mu: f64, factors: &[Factors], held: &mut Vec<Symmetric>) {
         held.clear();
         let gain = mu * factors.iter().map(|factors| factors.gain).sum::<f64>();
-        held.extend(self.tensors.chunks_exact(1 + self.branches).map(|own| {
-            let mut sum = own[0].map(|entry| entry * splat(-gain));
-            own[1..].iter().zip(factors).for_each(|(overstress, by)| add(&mut sum, mu * by.decay, overstress));
+        held.extend(self.tensors.chunks_exact(1 + self.branches).map(|block_tensors| {
+            let mut sum = block_tensors[0].map(|entry| entry * splat(-gain));
+            block_tensors[1..]
+                .iter()
+                .zip(factors)
+                .for_each(|(overstress, branch)| add_tensor(&mut sum, mu * branch.decay, overstress));
             sum
         }));
     }
 
     /// Advances by a step that ends at the stresses `now`, one per block.
     pub fn advance(&mut self, factors: &[Factors], now: &[Symmetric]) {
-        for (own, now) in self.tensors.chunks_exact_mut(1 + self.branches).zip(now) {
+        for (block_tensors, now) in self.tensors.chunks_exact_mut(1 + self.branches).zip(now) {
             let mut change = *now;
-            add(&mut change, -1.0, &own[0]);
-            own[0] = *now;
-            for (overstress, by) in own[1..].iter_mut().zip(factors) {
-                *overstress = overstress.map(|entry| entry * splat(by.decay));
-                add(overstress, by.gain, &change);
+            add_tensor(&mut change, -1.0, &block_tensors[0]);
+            block_tensors[0] = *now;
+            for (overstress, branch) in block_tensors[1..].iter_mut().zip(factors) {
+                *overstress = overstress.map(|entry| entry * splat(branch.decay));
+                add_tensor(overstress, branch.gain, &change);
             }
         }
     }
@@ -92,7 +95,7 @@ impl History {
 
 /// `sum` += `factor` `term`.
 #[inline(always)]
-pub(crate) fn add(sum: &mut Symmetric, factor: f64, term: &Symmetric) {
+pub(crate) fn add_tensor(sum: &mut Symmetric, factor: f64, term: &Symmetric) {
     sum.iter_mut().zip(term).for_each(|(sum, term)| *sum = sum.plus(splat(factor), *term));
 }
 
@@ -123,7 +126,7 @@ mod tests {
         let mut held = Vec::new();
         for step in 1..4 {
             let stress: [f64; 6] = std::array::from_fn(|n| 0.1 * f64::from(step) * (n as f64).cos());
-            own.hold(1.0, &factors, &mut held);
+            own.hold_stress(1.0, &factors, &mut held);
             let by = region.held(&exact);
             (0..6).for_each(|n| assert!((held[0][n].to_array()[5] - by[n]).abs() < 1e-15));
             own.advance(&factors, &[stress.map(splat)]);

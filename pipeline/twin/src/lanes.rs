@@ -62,8 +62,8 @@ pub(crate) fn splat(value: f64) -> Lanes {
 }
 
 /// A function of each lane.
-pub fn each(of: impl Fn(usize) -> f64) -> Lanes {
-    Lanes(f64x8::new(std::array::from_fn(of)))
+pub fn per_lane(value_of_lane: impl Fn(usize) -> f64) -> Lanes {
+    Lanes(f64x8::new(std::array::from_fn(value_of_lane)))
 }
 
 /// Rows of K numbers of every point by every coordinate.
@@ -81,7 +81,7 @@ impl<const K: usize> Blocks<K> {
         for (at, block) in values.iter_mut().enumerate() {
             let (first, m) = (at / coordinates * LANES, at % coordinates);
             for (k, lanes) in block.iter_mut().enumerate() {
-                *lanes = each(|i| if first + i < count { of(first + i, m, k) } else { 0.0 });
+                *lanes = per_lane(|i| if first + i < count { of(first + i, m, k) } else { 0.0 });
             }
         }
         Self { coordinates, values }
@@ -92,7 +92,7 @@ impl<const K: usize> Blocks<K> {
         &self.values[block * self.coordinates..(block + 1) * self.coordinates]
     }
 
-    pub fn count(&self) -> usize {
+    pub fn block_count(&self) -> usize {
         self.values.len() / self.coordinates
     }
 }
@@ -111,13 +111,13 @@ pub fn gather<const K: usize>(block: &[[Lanes; K]], q: &[f64]) -> [Lanes; K] {
 
 /// `sums`_m += A_m : P.
 #[inline(always)]
-pub fn scatter<const K: usize>(block: &[[Lanes; K]], of: &[Lanes; K], sums: &mut [Lanes]) {
+pub fn scatter<const K: usize>(block: &[[Lanes; K]], stress: &[Lanes; K], sums: &mut [Lanes]) {
     for (values, sum) in block.iter().zip(sums) {
-        let mut own = *sum;
-        for (values, of) in values.iter().zip(of) {
-            own = own.plus(*values, *of);
+        let mut total = *sum;
+        for (values, stress) in values.iter().zip(stress) {
+            total = total.plus(*values, *stress);
         }
-        *sum = own;
+        *sum = total;
     }
 }
 
@@ -137,7 +137,7 @@ mod tests {
         let blocks = Blocks::<2>::new(points, r, of);
         let q = [0.3, -1.2, 0.7];
         let mut sums = [splat(0.0); 3];
-        for block in 0..blocks.count() {
+        for block in 0..blocks.block_count() {
             let found = gather(blocks.block(block), &q);
             for (i, k) in (0..LANES).flat_map(|i| [(i, 0), (i, 1)]) {
                 let point = block * LANES + i;

@@ -2,7 +2,7 @@
 //!
 //! P = μ̂ (F − G) + λ ln J G + F H with G = F⁻ᵀ, μ̂ = μ + 2 s′(x), s = C₂₀ x² + C₃₀ x³ and H the stress that relaxation holds.
 
-use crate::lanes::{Lanes, each, splat};
+use crate::lanes::{Lanes, per_lane, splat};
 
 /// Nine numbers of a tensor, columns one below the other.
 pub type Tensor = [Lanes; 9];
@@ -66,11 +66,11 @@ const SERIES: [f64; 11] = [
 
 /// ln, by 2 artanh((J − 1)/(J + 1)) where all lanes are near one: silicone hardly changes its volume.
 #[inline(always)]
-fn ln(of: Lanes) -> Lanes {
-    let s = (of - splat(1.0)) / (of + splat(1.0));
+fn ln(x: Lanes) -> Lanes {
+    let s = (x - splat(1.0)) / (x + splat(1.0));
     if !s.to_array().iter().all(|s| s.abs() < NEAR) {
-        let all = of.to_array();
-        return each(|i| all[i].ln());
+        let lanes = x.to_array();
+        return per_lane(|i| lanes[i].ln());
     }
     let square = s * s;
     let sum = SERIES.iter().rev().fold(splat(0.0), |sum, factor| splat(*factor).plus(sum, square));
@@ -93,7 +93,7 @@ impl Deformed {
         let inverse = splat(1.0) / volume;
         let g = nine(|row, column| g[at(row, column)] * inverse);
         let ln_volume = ln(volume);
-        let x = invariant(&f, ln_volume);
+        let x = reduced_invariant(&f, ln_volume);
         let [c20, c30] = by.stiffening.map(splat);
         let (two, six) = (splat(2.0), splat(6.0));
         let secant = splat(by.mu).plus((two * two * c20).plus(six * c30, x), x);
@@ -103,9 +103,9 @@ impl Deformed {
 
     /// P times `weight`, Pa.
     #[inline(always)]
-    pub fn stress(&self, by: &Constants, held: Option<&Symmetric>, weight: Lanes) -> Tensor {
+    pub fn stress(&self, constants: &Constants, held: Option<&Symmetric>, weight: Lanes) -> Tensor {
         let (f, g) = (&self.gradient, &self.cofactor);
-        let pressed = splat(by.lambda) * self.ln_volume - self.secant;
+        let pressed = splat(constants.lambda) * self.ln_volume - self.secant;
         let stress = |row, column| (pressed * g[at(row, column)]).plus(self.secant, f[at(row, column)]);
         match held {
             None => nine(|row, column| stress(row, column) * weight),
@@ -116,12 +116,12 @@ impl Deformed {
     /// ∂P : `change`, Pa:
     /// μ̂ δF + (μ̂ − λ ln J) G δFᵀ G + λ (G : δF) G + 4 s″ ((F − G) : δF) (F − G) + δF H.
     #[inline(always)]
-    pub fn stress_change(&self, by: &Constants, held: &Symmetric, change: &Tensor) -> Tensor {
+    pub fn stress_change(&self, constants: &Constants, held: &Symmetric, change: &Tensor) -> Tensor {
         let (f, g) = (&self.gradient, &self.cofactor);
-        let geometric = self.secant - splat(by.lambda) * self.ln_volume;
+        let geometric = self.secant - splat(constants.lambda) * self.ln_volume;
         let (along_g, along_f) = (contract(g, change), contract(f, change));
         let bent = self.curvature * (along_f - along_g);
-        let along = splat(by.lambda) * along_g - bent;
+        let cofactor_factor = splat(constants.lambda) * along_g - bent;
         let turned = nine(|row, column| {
             (g[at(row, 0)] * change[at(column, 0)])
                 .plus(g[at(row, 1)], change[at(column, 1)])
@@ -132,14 +132,14 @@ impl Deformed {
             let product = (turned[at(row, 0)] * g[at(0, column)])
                 .plus(turned[at(row, 1)], g[at(1, column)])
                 .plus(turned[at(row, 2)], g[at(2, column)]);
-            let own = (self.secant * change[k]).plus(geometric, product).plus(along, g[k]).plus(bent, f[k]);
-            plus_product(own, (change, held), row, column)
+            let entry = (self.secant * change[k]).plus(geometric, product).plus(cofactor_factor, g[k]).plus(bent, f[k]);
+            plus_product(entry, (change, held), row, column)
         })
     }
 
     /// μ̂, 4 s″ and μ̂ − λ ln J, Pa: the factors of [`Deformed::stress_change`].
-    pub(crate) fn factors(&self, by: &Constants) -> [Lanes; 3] {
-        [self.secant, self.curvature, self.secant - splat(by.lambda) * self.ln_volume]
+    pub(crate) fn tangent_factors(&self, constants: &Constants) -> [Lanes; 3] {
+        [self.secant, self.curvature, self.secant - splat(constants.lambda) * self.ln_volume]
     }
 
     /// S = F⁻¹ P = μ̂ R + λ ln J (I − R) of the law alone, Pa, from R = I − C⁻¹.
@@ -153,7 +153,7 @@ impl Deformed {
 
     /// S_μ / μ = I − C⁻¹, the second Piola–Kirchhoff stress of the part that relaxes.
     #[inline(always)]
-    pub fn relaxing(&self) -> Symmetric {
+    pub fn relaxing_stress(&self) -> Symmetric {
         let g = &self.cofactor;
         let product = |a: usize, b: usize| {
             (g[at(0, a)] * g[at(0, b)]).plus(g[at(1, a)], g[at(1, b)]).plus(g[at(2, a)], g[at(2, b)])
@@ -167,7 +167,7 @@ impl Deformed {
 
 /// x = I₁ − 3 − 2 ln J.
 #[inline(always)]
-pub(crate) fn invariant(f: &Tensor, ln_volume: Lanes) -> Lanes {
+pub(crate) fn reduced_invariant(f: &Tensor, ln_volume: Lanes) -> Lanes {
     contract(f, f) - splat(3.0) - ln_volume - ln_volume
 }
 
@@ -195,7 +195,7 @@ mod tests {
     const BY: Constants = Constants { mu: 7e4, lambda: 9e5, stiffening: [-1e3, 400.0] };
 
     fn change(far: f64) -> Tensor {
-        std::array::from_fn(|k| each(|i| far * (1.0 + 2.3 * k as f64 + 0.7 * i as f64).sin()))
+        std::array::from_fn(|k| per_lane(|i| far * (1.0 + 2.3 * k as f64 + 0.7 * i as f64).sin()))
     }
 
     fn matrix(of: &Tensor, i: usize) -> Matrix3<f64> {
@@ -228,7 +228,7 @@ mod tests {
         let region =
             materials::step::RegionStep::new(law, Moduli::of(2e5, 0.45), &materials::Relaxation::default(), 0.1);
         let here = Deformed::new(&change(0.1), &BY);
-        let found = here.relaxing();
+        let found = here.relaxing_stress();
         for i in 0..LANES {
             let exact = region.stress(&matrix(&here.gradient, i));
             (0..6).for_each(|n| assert!((found[n].to_array()[i] - exact[n]).abs() < 1e-13));

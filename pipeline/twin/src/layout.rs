@@ -27,7 +27,7 @@ pub(crate) struct Array {
 const KEYS: [&str; 6] = ["coordinates", "points", "branches", "chambers", "sections", "outputs"];
 
 impl Counts {
-    pub fn of(data: &TwinData) -> Self {
+    pub fn of_data(data: &TwinData) -> Self {
         Self {
             coordinates: data.coordinates(),
             points: data.regions.iter().map(|region| region.weights.len()).collect(),
@@ -39,7 +39,7 @@ impl Counts {
     }
 
     /// As the metadata have them: `coordinates=2;points=5,3;branches=2,0;chambers=1;sections=1;outputs=2`.
-    pub fn text(&self) -> String {
+    pub fn as_text(&self) -> String {
         let list = |counts: &[usize]| counts.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
         let [single, chambers, sections, outputs] =
             [self.coordinates, self.chambers, self.sections, self.outputs].map(|count| count.to_string());
@@ -47,7 +47,7 @@ impl Counts {
         KEYS.iter().zip(values).map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(";")
     }
 
-    /// The inverse of [`Counts::text`]; none where the text is another.
+    /// The inverse of [`Counts::as_text`]; none where the text is another.
     pub fn parse(text: &str) -> Option<Self> {
         let fields: Vec<(&str, &str)> = text.split(';').map(|field| field.split_once('=')).collect::<Option<_>>()?;
         if fields.iter().map(|(key, _)| *key).ne(KEYS) {
@@ -72,28 +72,28 @@ impl Counts {
 
     /// Whether a file of so many bytes and arrays can hold them.
     // Asked before memory is taken for them, and before their products are formed.
-    pub fn fit(&self, bytes: usize, arrays: usize) -> bool {
+    pub fn fit_into(&self, bytes: usize, arrays: usize) -> bool {
         let each = [self.coordinates, self.sections, self.outputs];
-        let mut all = each.iter().chain(&self.points).chain(&self.branches);
-        all.all(|count| *count <= bytes / size_of::<f64>()) && self.chambers.max(self.points.len()) <= arrays
+        let mut counts = each.iter().chain(&self.points).chain(&self.branches);
+        counts.all(|count| *count <= bytes / size_of::<f64>()) && self.chambers.max(self.points.len()) <= arrays
     }
 
-    /// Every array, in the order of [`numbers`].
+    /// Every array, in the order of [`array_numbers`].
     pub fn arrays(&self) -> Vec<Array> {
         let (r, n) = (self.coordinates, self.sections);
-        let mut all = vec![
+        let mut arrays = vec![
             array("mass", &[r, r], "kg m²", "mass matrix of the coordinates q"),
             array("size", &[1], "1", "largest |q| that the tail was reduced from"),
         ];
-        all.extend((0..self.points.len()).flat_map(|i| region(i, [self.points[i], self.branches[i], r])));
-        all.extend((0..self.chambers).flat_map(|i| chamber(i, r)));
-        all.extend([
+        arrays.extend((0..self.points.len()).flat_map(|i| region_arrays(i, [self.points[i], self.branches[i], r])));
+        arrays.extend((0..self.chambers).flat_map(|i| chamber_arrays(i, r)));
+        arrays.extend([
             array("sections.slope", &[n, 2, r], "1", "slope of the centre line by q, along x and y"),
             array("sections.value", &[n, 2, r], "m", "displacement of the section by q, along x and y"),
             array("sections.by", &[n, 4], "kg, kg/m, kg, kg/m", "added mass, drag, shed mass, leaving mass"),
             array("outputs", &[self.outputs, r], "m", "displacement of each named output by q"),
         ]);
-        all
+        arrays
     }
 }
 
@@ -102,7 +102,7 @@ fn array(name: &str, shape: &[usize], unit: &'static str, meaning: &'static str)
 }
 
 /// Of a region's points and branches, with r coordinates.
-fn region(number: usize, [points, branches, r]: [usize; 3]) -> [Array; 4] {
+fn region_arrays(number: usize, [points, branches, r]: [usize; 3]) -> [Array; 4] {
     let name = |part: &str| format!("region{number}.{part}");
     [
         array(&name("moduli"), &[4], "Pa", "mu after all relaxation, lambda, C20, C30"),
@@ -112,7 +112,7 @@ fn region(number: usize, [points, branches, r]: [usize; 3]) -> [Array; 4] {
     ]
 }
 
-fn chamber(number: usize, r: usize) -> [Array; 4] {
+fn chamber_arrays(number: usize, r: usize) -> [Array; 4] {
     let (pairs, name) = (r * (r + 1) / 2, |part: &str| format!("chamber{number}.{part}"));
     [
         array(&name("at_rest"), &[1], "m³", "volume at rest"),
@@ -123,17 +123,17 @@ fn chamber(number: usize, r: usize) -> [Array; 4] {
 }
 
 /// The numbers of every array, in the order of [`Counts::arrays`].
-pub(crate) fn numbers(data: &TwinData) -> Vec<Vec<f64>> {
-    let mut all = vec![data.mass.clone(), vec![data.size]];
+pub(crate) fn array_numbers(data: &TwinData) -> Vec<Vec<f64>> {
+    let mut numbers = vec![data.mass.clone(), vec![data.size]];
     for Region { mu, lambda, stiffening: [c20, c30], branches, weights, gradients } in &data.regions {
         let flat = branches.iter().flatten().copied().collect();
-        all.extend([vec![*mu, *lambda, *c20, *c30], flat, weights.clone(), gradients.clone()]);
+        numbers.extend([vec![*mu, *lambda, *c20, *c30], flat, weights.clone(), gradients.clone()]);
     }
     for Chamber { at_rest, linear, quadratic, cubic } in &data.chambers {
-        all.extend([vec![*at_rest], linear.clone(), quadratic.clone(), cubic.clone()]);
+        numbers.extend([vec![*at_rest], linear.clone(), quadratic.clone(), cubic.clone()]);
     }
-    let join = |of: fn(&Section) -> &[f64]| data.sections.iter().flat_map(of).copied().collect::<Vec<f64>>();
-    all.extend([join(|s| &s.slope), join(|s| &s.value), join(|s| &s.by)]);
-    all.push(data.outputs.iter().flat_map(|(_, row)| row).copied().collect());
-    all
+    let join = |part: fn(&Section) -> &[f64]| data.sections.iter().flat_map(part).copied().collect::<Vec<f64>>();
+    numbers.extend([join(|s| &s.slope), join(|s| &s.value), join(|s| &s.by)]);
+    numbers.push(data.outputs.iter().flat_map(|(_, row)| row).copied().collect());
+    numbers
 }

@@ -43,14 +43,14 @@ const MANIFESTS: [(&str, &str); 2] = [
 /// Every file of the crate by itself: path and content.
 pub fn files() -> Vec<(&'static str, String)> {
     let manifests = MANIFESTS.iter().map(|(path, text)| (*path, (*text).to_owned()));
-    SOURCES.iter().map(|(path, text)| (*path, alone(text))).chain(manifests).collect()
+    SOURCES.iter().map(|(path, text)| (*path, standalone_source(text))).chain(manifests).collect()
 }
 
 /// A source without its tests, and without what serves the page and the export.
-fn alone(text: &str) -> String {
+fn standalone_source(text: &str) -> String {
     let text = text.split("\n#[cfg(test)]").next().unwrap_or_default();
-    let kept = |line: &&str| !line.contains("package") && !line.contains("SCRIPT");
-    text.lines().filter(kept).flat_map(|line| [line, "\n"]).collect()
+    let is_kept = |line: &&str| !line.contains("package") && !line.contains("SCRIPT");
+    text.lines().filter(is_kept).flat_map(|line| [line, "\n"]).collect()
 }
 
 #[cfg(test)]

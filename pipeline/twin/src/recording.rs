@@ -105,34 +105,36 @@ impl Twin {
     }
 
     /// The stresses H that relaxation holds (Pa) in every part between checkpoint `number` and the next: parts × solids × blocks.
-    pub(crate) fn held(&self, recording: &Recording, number: usize) -> Vec<Vec<Vec<Symmetric>>> {
+    pub(crate) fn held_stresses(&self, recording: &Recording, number: usize) -> Vec<Vec<Vec<Symmetric>>> {
         let mut histories = recording.checkpoints[number].clone();
         let parts = recording.parts.iter().skip(number * INTERVAL).take(INTERVAL);
-        let of =
-            |part: &RecordedPart| self.solids.iter().zip(&mut histories).map(|(s, h)| replay(s, h, part)).collect();
-        parts.map(of).collect()
+        let stresses_of_part = |part: &RecordedPart| {
+            self.solids.iter().zip(&mut histories).map(|(s, h)| replay_part(s, h, part)).collect()
+        };
+        parts.map(stresses_of_part).collect()
     }
 }
 
 /// Number of the checkpoint before a part, and the part's place after it.
-pub(crate) fn place(part: usize) -> (usize, usize) {
+pub(crate) fn checkpoint_place(part: usize) -> (usize, usize) {
     (part / INTERVAL, part % INTERVAL)
 }
 
 /// H of one part; its history is advanced.
-fn replay(solid: &Solid, history: &mut History, part: &RecordedPart) -> Vec<Symmetric> {
-    let mut held = Vec::new();
+fn replay_part(solid: &Solid, history: &mut History, part: &RecordedPart) -> Vec<Symmetric> {
+    let mut held_stress = Vec::new();
     if !solid.branches.is_empty() {
-        let factors: Vec<Factors> = solid.branches.iter().map(|of| Factors::new(*of, part.duration)).collect();
-        history.hold(solid.mu, &factors, &mut held);
-        history.advance(&factors, &relaxing(solid, &part.coordinates));
+        let factors: Vec<Factors> = solid.branches.iter().map(|branch| Factors::new(*branch, part.duration)).collect();
+        history.hold_stress(solid.mu, &factors, &mut held_stress);
+        history.advance(&factors, &relaxing_stresses(solid, &part.coordinates));
     }
-    held
+    held_stress
 }
 
 /// I − C⁻¹ of each block at q.
-fn relaxing(solid: &Solid, q: &[f64]) -> Vec<Symmetric> {
-    let constants = solid.constants(0.0);
-    let of = |block: usize| Deformed::new(&gather(solid.gradients.block(block), q), &constants).relaxing();
-    (0..solid.blocks()).map(of).collect()
+fn relaxing_stresses(solid: &Solid, q: &[f64]) -> Vec<Symmetric> {
+    let constants = solid.constants_with_gain(0.0);
+    let stress_of_block =
+        |block: usize| Deformed::new(&gather(solid.gradients.block(block), q), &constants).relaxing_stress();
+    (0..solid.block_count()).map(stress_of_block).collect()
 }

@@ -6,11 +6,11 @@
 
 use crate::elastic::{Acting, Solid};
 use crate::gradient::RegionGradient;
-use crate::history::{FactorSlopes, Factors, add};
+use crate::history::{FactorSlopes, Factors, add_tensor};
 use wide::f32x8;
 
 use crate::lanes::{Lanes, gather, scatter, splat};
-use crate::law::{Deformed, NOTHING, Symmetric, Tensor, at, invariant, nine};
+use crate::law::{Deformed, NOTHING, Symmetric, Tensor, at, nine, reduced_invariant};
 
 /// A solid's adjoint while a motion is passed backwards.
 pub(crate) struct SolidAdjoint<'a> {
@@ -50,24 +50,24 @@ impl<'a> SolidAdjoint<'a> {
         Self {
             solid,
             after: vec![BranchStep::default(); branches],
-            tensors: vec![[NOTHING; 2]; solid.blocks() * branches],
+            tensors: vec![[NOTHING; 2]; solid.block_count() * branches],
             points: Vec::new(),
             sums: Sums { moduli: [Lanes::ZERO; 4], branches: vec![[Lanes::ZERO; 2]; branches] },
         }
     }
 
     /// Its branches over a step of `duration` seconds.
-    pub fn branches(&self, duration: f64) -> Vec<BranchStep> {
-        let of = |branch: &[f64; 2]| BranchStep {
+    pub fn branch_steps(&self, duration: f64) -> Vec<BranchStep> {
+        let branch_step = |branch: &[f64; 2]| BranchStep {
             factors: Factors::new(*branch, duration),
             slopes: FactorSlopes::new(*branch, duration),
         };
-        self.solid.branches.iter().map(of).collect()
+        self.solid.branches.iter().map(branch_step).collect()
     }
 
     /// What acts in a step.
-    pub fn acting(&self, now: &[BranchStep], held: Vec<Symmetric>) -> Acting {
-        Acting { constants: self.solid.constants(now.iter().map(|by| by.factors.gain).sum()), held }
+    pub fn acting_in_step(&self, now: &[BranchStep], held: Vec<Symmetric>) -> Acting {
+        Acting { constants: self.solid.constants_with_gain(now.iter().map(|by| by.factors.gain).sum()), held }
     }
 
     /// Adds the upper triangle of K (J) at q in single precision, and to `loss` what later steps depend on q by through the histories.
@@ -79,16 +79,16 @@ impl<'a> SolidAdjoint<'a> {
         (stiffness, loss): (&mut [f32x8], &mut [Lanes]),
     ) {
         self.points.clear();
-        for block in 0..self.solid.blocks() {
+        for block in 0..self.solid.block_count() {
             let gradients = self.solid.gradients.block(block);
-            let here = Deformed::new(&gather(gradients, q), &acting.constants);
-            let stress = here.relaxing();
+            let deformed = Deformed::new(&gather(gradients, q), &acting.constants);
+            let stress = deformed.relaxing_stress();
             if !now.is_empty() {
-                scatter(gradients, &pulled(&here, &stress, &self.later(block, now)), loss);
+                scatter(gradients, &stress_derivative(&deformed, &stress, &self.later_dependence(block, now)), loss);
             }
-            let held = acting.held.get(block).unwrap_or(&NOTHING);
-            self.solid.single.add_tangent(block, &here, (&acting.constants, held), stiffness);
-            self.points.push(Point { here, stress });
+            let held_stress = acting.held.get(block).unwrap_or(&NOTHING);
+            self.solid.single.add_tangent(block, &deformed, (&acting.constants, held_stress), stiffness);
+            self.points.push(Point { here: deformed, stress });
         }
     }
 
@@ -96,34 +96,36 @@ impl<'a> SolidAdjoint<'a> {
     pub(crate) fn add_product(&self, x: &[f64], acting: &Acting, image: &mut [Lanes]) {
         for (block, (point, weight)) in self.points.iter().zip(&self.solid.weights).enumerate() {
             let gradients = self.solid.gradients.block(block);
-            let held = acting.held.get(block).unwrap_or(&NOTHING);
-            let change = point.here.stress_change(&acting.constants, held, &gather(gradients, x));
+            let held_stress = acting.held.get(block).unwrap_or(&NOTHING);
+            let change = point.here.stress_change(&acting.constants, held_stress, &gather(gradients, x));
             scatter(gradients, &change.map(|entry| entry * *weight), image);
         }
     }
 
     /// What later steps depend on S of this one by: Σ (a d₊ − a₊) Y₊ over the branches.
-    fn later(&self, block: usize, now: &[BranchStep]) -> Symmetric {
+    fn later_dependence(&self, block: usize, now: &[BranchStep]) -> Symmetric {
         let mut sum = NOTHING;
-        let own = &self.tensors[block * now.len()..];
-        for ((now, after), [y, _]) in now.iter().zip(&self.after).zip(own) {
-            add(&mut sum, now.factors.gain * after.factors.decay - after.factors.gain, y);
+        let block_tensors = &self.tensors[block * now.len()..];
+        for ((now, after), [y, _]) in now.iter().zip(&self.after).zip(block_tensors) {
+            add_tensor(&mut sum, now.factors.gain * after.factors.decay - after.factors.gain, y);
         }
         sum
     }
 
     /// Passes the step of the last tangent, whose residual has this adjoint.
-    pub fn pass(&mut self, adjoint: &[f64], acting: &Acting, now: Vec<BranchStep>) {
+    pub fn pass_step(&mut self, adjoint: &[f64], acting: &Acting, now: Vec<BranchStep>) {
         let gain = 1.0 + now.iter().map(|by| by.factors.gain).sum::<f64>();
         let of_mu = 1.0 / self.solid.mu;
         for (block, point) in self.points.iter().enumerate() {
             let weight = self.solid.weights[block];
-            let strain = strain(&point.here.gradient, &gather(self.solid.gradients.block(block), adjoint), weight);
-            let held = acting.held.get(block).map_or(Lanes::ZERO, |held| product(held, &strain));
-            self.sums.add(point, &strain, [splat(gain), held * splat(of_mu)]);
-            let own = &mut self.tensors[block * now.len()..(block + 1) * now.len()];
+            let strain =
+                weighted_strain(&point.here.gradient, &gather(self.solid.gradients.block(block), adjoint), weight);
+            let held_work =
+                acting.held.get(block).map_or(Lanes::ZERO, |held_work| double_contraction(held_work, &strain));
+            self.sums.add_block(point, &strain, [splat(gain), held_work * splat(of_mu)]);
+            let block_tensors = &mut self.tensors[block * now.len()..(block + 1) * now.len()];
             for (((tensors, now), after), sums) in
-                own.iter_mut().zip(&now).zip(&self.after).zip(&mut self.sums.branches)
+                block_tensors.iter_mut().zip(&now).zip(&self.after).zip(&mut self.sums.branches)
             {
                 pass_branch(tensors, [now, after], (&strain.map(|x| x * splat(self.solid.mu)), &point.stress), sums);
             }
@@ -142,14 +144,18 @@ impl<'a> SolidAdjoint<'a> {
 impl Sums {
     /// Adds the derivatives by the moduli at a block; `gain` is what multiplies μ in the law, `held` the held part's derivative by μ.
     #[inline(always)]
-    fn add(&mut self, point: &Point, strain: &Symmetric, [gain, held]: [Lanes; 2]) {
+    fn add_block(&mut self, point: &Point, strain: &Symmetric, [gain, held]: [Lanes; 2]) {
         // (F − G) : δF = S : Fᵀ δF and G : δF = C⁻¹ : Fᵀ δF with C⁻¹ = I − S
-        let along = product(&point.stress, strain);
-        let x = invariant(&point.here.gradient, point.here.ln_volume);
-        let volume = strain[0] + strain[1] + strain[2] - along;
-        let by =
-            [gain * along + held, point.here.ln_volume * volume, splat(4.0) * x * along, splat(6.0) * x * x * along];
-        self.moduli.iter_mut().zip(by).for_each(|(sum, by)| *sum = *sum + by);
+        let relaxing_work = double_contraction(&point.stress, strain);
+        let x = reduced_invariant(&point.here.gradient, point.here.ln_volume);
+        let volume = strain[0] + strain[1] + strain[2] - relaxing_work;
+        let derivatives = [
+            gain * relaxing_work + held,
+            point.here.ln_volume * volume,
+            splat(4.0) * x * relaxing_work,
+            splat(6.0) * x * x * relaxing_work,
+        ];
+        self.moduli.iter_mut().zip(derivatives).for_each(|(sum, derivatives)| *sum = *sum + derivatives);
     }
 }
 
@@ -161,12 +167,12 @@ fn pass_branch(
     (strain, stress): (&Symmetric, &Symmetric),
     [by_strength, by_time]: &mut [Lanes; 2],
 ) {
-    let (later_y, later_t) = (product(stress, y), product(stress, t));
+    let (later_y, later_t) = (double_contraction(stress, y), double_contraction(stress, t));
     for k in 0..6 {
         t[k] = (t[k] * splat(after.factors.decay)).plus(splat(after.slopes.decay_by_time), y[k]);
         y[k] = strain[k].plus(splat(after.factors.decay), y[k]);
     }
-    let (own_y, own_t) = (product(stress, y), product(stress, t));
+    let (own_y, own_t) = (double_contraction(stress, y), double_contraction(stress, t));
     let change = |own: (Lanes, f64), later: (Lanes, f64)| own.0 * splat(own.1) - later.0 * splat(later.1);
     *by_strength =
         *by_strength + change((own_y, now.slopes.gain_by_strength), (later_y, after.slopes.gain_by_strength));
@@ -177,7 +183,7 @@ fn pass_branch(
 
 /// w sym(Fᵀ δF); the entries off the diagonal are those of both sides.
 #[inline(always)]
-fn strain(f: &Tensor, change: &Tensor, weight: Lanes) -> Symmetric {
+fn weighted_strain(f: &Tensor, change: &Tensor, weight: Lanes) -> Symmetric {
     let entry = |a: usize, b: usize| {
         (f[at(0, a)] * change[at(0, b)]).plus(f[at(1, a)], change[at(1, b)]).plus(f[at(2, a)], change[at(2, b)])
     };
@@ -185,27 +191,34 @@ fn strain(f: &Tensor, change: &Tensor, weight: Lanes) -> Symmetric {
     [entry(0, 0) * weight, entry(1, 1) * weight, entry(2, 2) * weight, yz, xz, xy]
 }
 
-/// Σ over the six entries of a stress and of what [`strain`] returns.
+/// Σ over the six entries of a stress and of what [`weighted_strain`] returns.
 #[inline(always)]
-fn product(a: &Symmetric, b: &Symmetric) -> Lanes {
+fn double_contraction(a: &Symmetric, b: &Symmetric) -> Lanes {
     let half = |k: usize| (a[k] * b[k]).plus(a[k + 1], b[k + 1]).plus(a[k + 2], b[k + 2]);
     half(0) + half(3)
 }
 
 /// ∂(Z : S)/∂F = 2 G Z C⁻¹, Z the derivatives by the six entries of S.
 #[inline(always)]
-fn pulled(here: &Deformed, stress: &Symmetric, by: &Symmetric) -> Tensor {
-    let whole = |[xx, yy, zz, yz, xz, xy]: [Lanes; 6]| [xx, xy, xz, xy, yy, yz, xz, yz, zz];
+fn stress_derivative(deformed: &Deformed, stress: &Symmetric, by_stress: &Symmetric) -> Tensor {
+    let full_tensor = |[xx, yy, zz, yz, xz, xy]: [Lanes; 6]| [xx, xy, xz, xy, yy, yz, xz, yz, zz];
     let (half, one) = (splat(0.5), splat(1.0));
-    let z = whole([by[0], by[1], by[2], half * by[3], half * by[4], half * by[5]]);
+    let z = full_tensor([
+        by_stress[0],
+        by_stress[1],
+        by_stress[2],
+        half * by_stress[3],
+        half * by_stress[4],
+        half * by_stress[5],
+    ]);
     let mut inverse = stress.map(|entry| Lanes::ZERO - entry);
     inverse[..3].iter_mut().for_each(|entry| *entry = *entry + one);
-    let image = times(&z, &whole(inverse));
-    times(&here.cofactor, &image).map(|entry| entry + entry)
+    let image = matrix_product(&z, &full_tensor(inverse));
+    matrix_product(&deformed.cofactor, &image).map(|entry| entry + entry)
 }
 
 /// A B.
 #[inline(always)]
-fn times(a: &Tensor, b: &Tensor) -> Tensor {
+fn matrix_product(a: &Tensor, b: &Tensor) -> Tensor {
     nine(|i, k| (a[at(i, 0)] * b[at(0, k)]).plus(a[at(i, 1)], b[at(1, k)]).plus(a[at(i, 2)], b[at(2, k)]))
 }

@@ -96,7 +96,7 @@ impl Past {
     }
 
     /// Implicit Euler in the first step, then BDF2 [hairer1993], section III.5.
-    pub fn stencil(&self, step: f64) -> Stencil {
+    pub fn step_stencil(&self, step: f64) -> Stencil {
         match self.times.get(1).map(|then| step / (self.times[0] - then)) {
             None => Stencil { gamma: 1.0 / step, weights: [-1.0 / step, 0.0] },
             Some(r) => Stencil {
@@ -107,10 +107,10 @@ impl Past {
     }
 
     /// The polynomial through the newest `count` coordinates at `time`, by Lagrange's weights.
-    fn extrapolated(&self, count: usize, time: f64) -> Vec<f64> {
+    fn extrapolated_coordinates(&self, count: usize, time: f64) -> Vec<f64> {
         let times: Vec<f64> = self.times.iter().take(count).copied().collect();
-        let others = |i: usize| (0..times.len()).filter(move |j| *j != i);
-        let weight = |i: usize| others(i).map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>();
+        let other_times = |i: usize| (0..times.len()).filter(move |j| *j != i);
+        let weight = |i: usize| other_times(i).map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>();
         let mut sum = vec![0.0; self.coordinates[0].len()];
         for (i, q) in self.coordinates.iter().take(count).enumerate() {
             crate::chambers::add(&mut sum, weight(i), q);
@@ -120,14 +120,14 @@ impl Past {
 
     /// The initial guess of a step that ends at `time`.
     // In air a tail's walls tremble, and the last state is the best guess; in water it moves smoothly, and the quartic is.
-    pub fn guess(&self, time: f64) -> Vec<f64> {
-        self.extrapolated(self.order, time)
+    pub fn initial_guess(&self, time: f64) -> Vec<f64> {
+        self.extrapolated_coordinates(self.order, time)
     }
 
     /// Number of states whose polynomial would have been the guess of the step that ended at `time` in q.
     fn best_order(&self, time: f64, q: &[f64]) -> usize {
         let miss = |count: usize| {
-            let guess = self.extrapolated(count, time);
+            let guess = self.extrapolated_coordinates(count, time);
             guess.iter().zip(q).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
         };
         let misses: Vec<f64> = (1..=self.times.len()).map(miss).collect();
@@ -135,7 +135,7 @@ impl Past {
         if misses[best] < NEARER * misses[0] { best + 1 } else { 1 }
     }
 
-    pub fn push(&mut self, time: f64, [q, v, momentum]: [Vec<f64>; 3]) {
+    pub fn push_state(&mut self, time: f64, [q, v, momentum]: [Vec<f64>; 3]) {
         self.order = self.best_order(time, &q);
         self.times.push_front(time);
         self.times.truncate(KEPT);
@@ -148,7 +148,7 @@ impl Past {
 
 impl Stencil {
     /// Σ w x_past.
-    pub fn history(&self, past: &VecDeque<Vec<f64>>) -> Vec<f64> {
+    pub fn weighted_history(&self, past: &VecDeque<Vec<f64>>) -> Vec<f64> {
         let mut sum = vec![0.0; past[0].len()];
         self.weights.iter().zip(past).for_each(|(weight, x)| crate::chambers::add(&mut sum, *weight, x));
         sum

@@ -9,7 +9,7 @@
 
 use crate::chambers::{PressureWork, add};
 use crate::data::{Chamber, TwinData};
-use crate::dense::{broyden, inverse, multiply};
+use crate::dense::{broyden_update, inverse, multiply};
 use crate::elastic::{Acting, Solid, Stresses, add_triangle};
 use crate::error::TwinError;
 use crate::history::{Factors, History};
@@ -65,7 +65,7 @@ impl Twin {
     /// # Errors
     /// [`TwinError::Data`] when they do not belong together.
     pub fn new(data: TwinData) -> Result<Self, TwinError> {
-        data.check()?;
+        data.check_data()?;
         let r = data.coordinates();
         let solids = data.regions.iter().map(|region| Solid::new(region, r)).collect();
         let water = (!data.sections.is_empty()).then(|| Water::new(&data.sections, r));
@@ -87,7 +87,7 @@ impl Twin {
 
     /// At rest for ever.
     pub fn start(&self) -> TwinState {
-        let history = |solid: &Solid| History::at_rest(solid.blocks(), solid.branches.len());
+        let history = |solid: &Solid| History::at_rest(solid.block_count(), solid.branches.len());
         TwinState {
             time: 0.0,
             past: Past::at_rest(self.coordinates()),
@@ -162,10 +162,10 @@ impl Twin {
     /// # Errors
     /// [`TwinError::State`] when the state is of a twin with other coordinates, chambers, regions, points or branches.
     pub(crate) fn check_state(&self, state: &TwinState) -> Result<(), TwinError> {
-        let own = self.solids.iter().map(|solid| History::size(solid.blocks(), solid.branches.len()));
+        let own_sizes = self.solids.iter().map(|solid| History::size(solid.block_count(), solid.branches.len()));
         let fits = state.coordinates().len() == self.coordinates()
             && state.pressures.len() == self.chambers.len()
-            && own.eq(state.histories.iter().map(History::own_size));
+            && own_sizes.eq(state.histories.iter().map(History::own_size));
         let counts = || [state.coordinates().len(), state.pressures.len(), state.histories.len()];
         let required = || [self.coordinates(), self.chambers.len(), self.solids.len()];
         if fits { Ok(()) } else { Err(TwinError::State { counts: counts(), required: required() }) }
@@ -178,7 +178,7 @@ impl Twin {
         duration: f64,
         halvings: usize,
     ) -> Result<(), TwinError> {
-        let error = match self.attempt(state, pressures, duration) {
+        let error = match self.attempt_step(state, pressures, duration) {
             Ok(stencil) => {
                 see(state, stencil);
                 return Ok(());
@@ -195,80 +195,81 @@ impl Twin {
     }
 
     /// One step of the scheme; the state changes only where it is found.
-    fn attempt(&self, state: &mut TwinState, pressures: &[f64], duration: f64) -> Result<Stencil, TwinError> {
-        self.prepare(state, duration);
+    fn attempt_step(&self, state: &mut TwinState, pressures: &[f64], duration: f64) -> Result<Stencil, TwinError> {
+        self.prepare_factors(state, duration);
         let equations = Equations::new(self, state, pressures, duration);
         let time = state.time + duration;
-        let (q, left) = equations.solve(state, time)?;
-        for ((history, factors), now) in state.histories.iter_mut().zip(&state.factors.1).zip(&left) {
+        let (q, stresses) = equations.solve_step(state, time)?;
+        for ((history, factors), now) in state.histories.iter_mut().zip(&state.factors.1).zip(&stresses) {
             history.advance(factors, &now.relaxing);
         }
-        state.stresses = left;
+        state.stresses = stresses;
         let velocity = equations.velocity(&q);
         let momentum = equations.momentum((&q, &velocity));
-        state.past.push(time, [q, velocity, momentum]);
+        state.past.push_state(time, [q, velocity, momentum]);
         (state.time, state.pressures) = (time, pressures.to_vec());
         state.work.steps += 1;
         Ok(equations.stencil)
     }
 
     /// The branches' factors over a step of this length.
-    fn prepare(&self, state: &mut TwinState, duration: f64) {
+    fn prepare_factors(&self, state: &mut TwinState, duration: f64) {
         if (state.factors.0 / duration - 1.0).abs() > SAME {
-            let of = |solid: &Solid| solid.branches.iter().map(|branch| Factors::new(*branch, duration)).collect();
-            state.factors = (duration, self.solids.iter().map(of).collect());
+            let factors_of_solid =
+                |solid: &Solid| solid.branches.iter().map(|branch| Factors::new(*branch, duration)).collect();
+            state.factors = (duration, self.solids.iter().map(factors_of_solid).collect());
         }
     }
 }
 
 impl<'a> Equations<'a> {
     fn new(twin: &'a Twin, state: &TwinState, pressures: &[f64], duration: f64) -> Self {
-        let stencil = state.past.stencil(duration);
+        let stencil = state.past.step_stencil(duration);
         let acting = |((solid, history), factors): ((&Solid, &History), &Vec<Factors>)| {
-            let mut held = Vec::new();
-            history.hold(solid.mu, factors, &mut held);
-            Acting { constants: solid.constants(factors.iter().map(|by| by.gain).sum()), held }
+            let mut held_stress = Vec::new();
+            history.hold_stress(solid.mu, factors, &mut held_stress);
+            Acting { constants: solid.constants_with_gain(factors.iter().map(|by| by.gain).sum()), held: held_stress }
         };
         let mut pressure_work = PressureWork::none(twin.coordinates());
-        pressure_work.set(&twin.chambers, pressures);
+        pressure_work.set_pressures(&twin.chambers, pressures);
         let past = [&state.past.coordinates, &state.past.velocities, &state.past.momenta];
         Self {
             twin,
             acting: twin.solids.iter().zip(&state.histories).zip(&state.factors.1).map(acting).collect(),
             pressure_work,
-            past: past.map(|past| stencil.history(past)),
+            past: past.map(|past| stencil.weighted_history(past)),
             stencil,
         }
     }
 
     /// q at the end of the step, and the stresses of its last residual.
-    fn solve(&self, state: &mut TwinState, time: f64) -> Result<(Vec<f64>, Vec<Stresses>), TwinError> {
-        let mut q = state.past.guess(time);
-        let (mut residual, mut left) = self.residual(&q, &mut state.work);
+    fn solve_step(&self, state: &mut TwinState, time: f64) -> Result<(Vec<f64>, Vec<Stresses>), TwinError> {
+        let mut q = state.past.initial_guess(time);
+        let (mut residual, mut stresses) = self.residual(&q, &mut state.work);
         let fits = |lagged: &Lagged| (lagged.gamma / self.stencil.gamma - 1.0).abs() < SAME;
         let mut lagged = state.lagged.take().filter(fits);
-        let most = self.twin.tolerance;
-        let tolerance = most * (SLOW / self.stencil.gamma).powi(2).clamp(LEAST / most, 1.0);
-        let before = state.time;
-        let failed = |change| TwinError::NoConvergence { time: before, iterations: MAX_ITERATIONS, change };
+        let loosest_tolerance = self.twin.tolerance;
+        let tolerance = loosest_tolerance * (SLOW / self.stencil.gamma).powi(2).clamp(LEAST / loosest_tolerance, 1.0);
+        let start_time = state.time;
+        let failed = |change| TwinError::NoConvergence { time: start_time, iterations: MAX_ITERATIONS, change };
         let (mut change, mut size) = (Vec::new(), f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
             let usable = lagged.take().and_then(|lagged| next_change(lagged, &change, &residual));
             let (own, next) = match usable {
                 Some(found) => found,
-                None => self.tangent(&q, state).map(|own| first_change(own, &residual)).ok_or(failed(size))?,
+                None => self.inverse_tangent(&q, state).map(|own| first_change(own, &residual)).ok_or(failed(size))?,
             };
             (lagged, change) = (Some(own), next);
             add(&mut q, -1.0, &change);
-            size = largest(&change) / self.twin.size;
+            size = largest_entry(&change) / self.twin.size;
             if size < tolerance {
                 state.lagged = lagged;
-                return Ok((q, left));
+                return Ok((q, stresses));
             }
             if !size.is_finite() {
                 break;
             }
-            (residual, left) = self.residual(&q, &mut state.work);
+            (residual, stresses) = self.residual(&q, &mut state.work);
         }
         Err(failed(size))
     }
@@ -314,15 +315,15 @@ impl<'a> Equations<'a> {
     }
 
     /// The inverse of ∂residual/∂q; none where it is singular.
-    fn tangent(&self, q: &[f64], state: &mut TwinState) -> Option<Lagged> {
+    fn inverse_tangent(&self, q: &[f64], state: &mut TwinState) -> Option<Lagged> {
         state.work.tangents += 1;
         let (twin, gamma) = (self.twin, self.stencil.gamma);
         let mut tangent: Vec<f64> = twin.mass.iter().map(|m| m * gamma * gamma).collect();
-        let mut lanes = single_precision::triangle(q.len());
+        let mut lanes = single_precision::zero_triangle(q.len());
         for ((solid, acting), before) in twin.solids.iter().zip(&self.acting).zip(&state.stresses) {
             solid.add_stiffness(q, (acting, &before.law), &mut lanes);
         }
-        add_triangle(single_precision::sums(&lanes), &mut tangent);
+        add_triangle(single_precision::lane_sums(&lanes), &mut tangent);
         self.pressure_work.subtract_hessian(q, &mut tangent);
         if let Some(water) = &twin.water {
             water.add_stiffness((q, &self.velocity(q)), gamma, &mut tangent);
@@ -344,12 +345,12 @@ fn next_change(lagged: Lagged, before: &[f64], residual: &[f64]) -> Option<(Lagg
     if before.is_empty() {
         return Some((lagged, change));
     }
-    let slow = largest(&change) > REFRESH_ABOVE * largest(before);
-    (!slow && broyden(&mut lagged.inverse, before, &mut change)).then_some((lagged, change))
+    let slow = largest_entry(&change) > REFRESH_ABOVE * largest_entry(before);
+    (!slow && broyden_update(&mut lagged.inverse, before, &mut change)).then_some((lagged, change))
 }
 
 /// Largest absolute entry; not a number where one is not.
-fn largest(x: &[f64]) -> f64 {
+fn largest_entry(x: &[f64]) -> f64 {
     if x.iter().any(|entry| entry.is_nan()) {
         return f64::NAN;
     }

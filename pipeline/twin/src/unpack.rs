@@ -14,33 +14,34 @@ pub(crate) const COUNTS: &str = "counts";
 const LONGEST: usize = 60;
 
 /// The tail in a file's content; the numbers themselves are checked by [`TwinData::check`].
-pub(crate) fn unpack(bytes: &[u8]) -> Result<TwinData, String> {
+pub(crate) fn unpack_file(bytes: &[u8]) -> Result<TwinData, String> {
     let file = SafeTensors::deserialize(bytes).map_err(|e| e.to_string())?;
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| e.to_string())?;
     let stated = metadata.metadata().as_ref().ok_or("it has no metadata")?;
     let text = |key: &str| stated.get(key).ok_or_else(|| format!("its metadata have no `{key}`"));
-    let counts = Counts::parse(text(COUNTS)?).filter(|counts| counts.fit(bytes.len(), file.len()));
-    let counts = counts.ok_or_else(|| format!("its metadata state the {COUNTS} {:?}", shortened(&stated[COUNTS])))?;
+    let counts = Counts::parse(text(COUNTS)?).filter(|counts| counts.fit_into(bytes.len(), file.len()));
+    let counts =
+        counts.ok_or_else(|| format!("its metadata state the {COUNTS} {:?}", shortened_text(&stated[COUNTS])))?;
     let names: Vec<&str> = text(OUTPUTS)?.split(',').filter(|_| counts.outputs > 0).collect();
     if names.len() != counts.outputs {
         return Err(format!("its metadata name {} {OUTPUTS}, not {}", names.len(), counts.outputs));
     }
     let arrays = counts.arrays();
-    let known: BTreeSet<&str> = arrays.iter().map(|array| &*array.name).collect();
-    if let Some(extra) = file.names().into_iter().find(|name| !known.contains(*name)) {
-        return Err(format!("it has the array {:?}, which no tail of these counts has", shortened(extra)));
+    let known_names: BTreeSet<&str> = arrays.iter().map(|array| &*array.name).collect();
+    if let Some(extra) = file.names().into_iter().find(|name| !known_names.contains(*name)) {
+        return Err(format!("it has the array {:?}, which no tail of these counts has", shortened_text(extra)));
     }
-    let values = arrays.iter().map(|array| values(&file, array)).collect::<Result<Vec<_>, _>>()?;
-    Ok(assembled(&counts, &names, values.into_iter()))
+    let values = arrays.iter().map(|array| array_values(&file, array)).collect::<Result<Vec<_>, _>>()?;
+    Ok(assemble_data(&counts, &names, values.into_iter()))
 }
 
 /// The begin of a text that others wrote, for a message of one line.
-fn shortened(text: &str) -> String {
+fn shortened_text(text: &str) -> String {
     text.chars().take(LONGEST).collect()
 }
 
 /// The numbers of one array.
-fn values(file: &SafeTensors, array: &Array) -> Result<Vec<f64>, String> {
+fn array_values(file: &SafeTensors, array: &Array) -> Result<Vec<f64>, String> {
     let Array { name, shape, .. } = array;
     let tensor = file.tensor(name).map_err(|_| format!("it has no array `{name}`"))?;
     if tensor.dtype() != Dtype::F64 {
@@ -56,11 +57,11 @@ fn values(file: &SafeTensors, array: &Array) -> Result<Vec<f64>, String> {
 
 /// The tail of the numbers of every array, in the order of [`Counts::arrays`].
 // Each array has the shape that the same counts gave, so that no row is left over and none is missing.
-fn assembled(counts: &Counts, names: &[&str], mut values: impl Iterator<Item = Vec<f64>>) -> TwinData {
+fn assemble_data(counts: &Counts, names: &[&str], mut values: impl Iterator<Item = Vec<f64>>) -> TwinData {
     let r = counts.coordinates.max(1);
     let mut next = || values.next().unwrap_or_default();
     let (mass, size) = (next(), next()[0]);
-    let regions = counts.points.iter().map(|_| region([next(), next(), next(), next()])).collect();
+    let regions = counts.points.iter().map(|_| unpack_region([next(), next(), next(), next()])).collect();
     let chamber =
         |[at_rest, linear, quadratic, cubic]: [Vec<f64>; 4]| Chamber { at_rest: at_rest[0], linear, quadratic, cubic };
     let chambers = (0..counts.chambers).map(|_| chamber([next(), next(), next(), next()])).collect();
@@ -76,7 +77,7 @@ fn assembled(counts: &Counts, names: &[&str], mut values: impl Iterator<Item = V
     TwinData { mass, size, regions, chambers, sections, outputs: names.iter().enumerate().map(output).collect() }
 }
 
-fn region([moduli, branches, weights, gradients]: [Vec<f64>; 4]) -> Region {
+fn unpack_region([moduli, branches, weights, gradients]: [Vec<f64>; 4]) -> Region {
     Region {
         mu: moduli[0],
         lambda: moduli[1],

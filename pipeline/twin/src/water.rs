@@ -3,7 +3,7 @@
 //! The rate of the water's momentum is the stencil's: d/dt Π = γ Π + Σ w Π_past, all in generalised coordinates.
 
 use crate::data::Section;
-use crate::lanes::{Blocks, LANES, Lanes, add_reduced, each, gather, scatter, splat};
+use crate::lanes::{Blocks, LANES, Lanes, add_reduced, gather, per_lane, scatter, splat};
 
 /// Sections laid out for vectors.
 #[derive(Debug, Clone)]
@@ -30,11 +30,11 @@ impl Water {
         let slope = Blocks::new(count, r, |section, m, k| sections[section].slope[k * r + m]);
         let value = Blocks::new(count, r, |section, m, k| sections[section].value[k * r + m]);
         let constant = |section: usize, k: usize| sections.get(section).map_or(0.0, |section| section.by[k]);
-        let of = |block: usize| std::array::from_fn(|k| each(|i| constant(LANES * block + i, k)));
-        Self { by: (0..slope.count()).map(of).collect(), slope, value }
+        let coefficients = |block: usize| std::array::from_fn(|k| per_lane(|i| constant(LANES * block + i, k)));
+        Self { by: (0..slope.block_count()).map(coefficients).collect(), slope, value }
     }
 
-    pub(crate) fn motion(&self, block: usize, q: &[f64], v: &[f64]) -> Motion {
+    pub(crate) fn section_motion(&self, block: usize, q: &[f64], v: &[f64]) -> Motion {
         let mut tangent = gather(self.slope.block(block), q);
         tangent[0] = tangent[0] + splat(1.0);
         Motion { tangent, velocity: gather(self.value.block(block), v) }
@@ -44,14 +44,14 @@ impl Water {
     pub fn add_forces(&self, (q, v): (&[f64], &[f64]), gamma: f64, (forces, momentum): (&mut [f64], &mut [f64])) {
         let mut sums = [vec![splat(0.0); q.len()], vec![splat(0.0); q.len()]];
         for (block, [mass, drag, sheds, leaves]) in self.by.iter().enumerate() {
-            let motion = self.motion(block, q, v);
-            let ([w, _], normal, flux) = (motion.speeds(), motion.normal(), motion.flux());
-            let held = *mass * w;
-            let resists = splat(gamma) * held + *drag * w.abs() * w;
+            let motion = self.section_motion(block, q, v);
+            let ([w, _], normal, flux) = (motion.speeds(), motion.normal(), motion.momentum_flux());
+            let normal_momentum = *mass * w;
+            let resists = splat(gamma) * normal_momentum + *drag * w.abs() * w;
             let push = [0, 1].map(|k| resists * normal[k] - *leaves * flux[k]);
             scatter(self.value.block(block), &push, &mut sums[0]);
             scatter(self.slope.block(block), &flux.map(|flux| *sheds * flux), &mut sums[0]);
-            scatter(self.value.block(block), &normal.map(|normal| held * normal), &mut sums[1]);
+            scatter(self.value.block(block), &normal.map(|normal| normal_momentum * normal), &mut sums[1]);
         }
         momentum.fill(0.0);
         add_reduced(&sums[0], forces);
@@ -63,11 +63,11 @@ impl Water {
         let r = q.len();
         let mut sums = vec![splat(0.0); r * r];
         for (block, by) in self.by.iter().enumerate() {
-            let motion = self.motion(block, q, v);
+            let motion = self.section_motion(block, q, v);
             let (slope, value) = (self.slope.block(block), self.value.block(block));
             for (m, sums) in sums.chunks_exact_mut(r).enumerate() {
                 let change = Motion { tangent: slope[m], velocity: value[m].map(|speed| splat(gamma) * speed) };
-                let [push, turn] = motion.change(&change, by, gamma);
+                let [push, turn] = motion.force_change(&change, by, gamma);
                 scatter(value, &push, sums);
                 scatter(slope, &turn, sums);
             }
@@ -91,25 +91,26 @@ impl Motion {
     }
 
     /// u w n − ½ w² t.
-    fn flux(&self) -> Pair {
+    fn momentum_flux(&self) -> Pair {
         let ([w, u], normal) = (self.speeds(), self.normal());
         [0, 1].map(|k| w * (u * normal[k] - splat(0.5) * w * self.tangent[k]))
     }
 
     /// Changes of what acts along displacement and along slope.
     #[inline(always)]
-    fn change(&self, by: &Motion, [mass, drag, sheds, leaves]: &[Lanes; 4], gamma: f64) -> [Pair; 2] {
-        let ([w, u], normal, turned) = (self.speeds(), self.normal(), by.normal());
-        let ([tx, ty], [vx, vy], [dtx, dty], [dvx, dvy]) = (self.tangent, self.velocity, by.tangent, by.velocity);
+    fn force_change(&self, direction: &Motion, [mass, drag, sheds, leaves]: &[Lanes; 4], gamma: f64) -> [Pair; 2] {
+        let ([w, u], normal, turned) = (self.speeds(), self.normal(), direction.normal());
+        let ([tx, ty], [vx, vy], [dtx, dty], [dvx, dvy]) =
+            (self.tangent, self.velocity, direction.tangent, direction.velocity);
         let dw = dvy * tx + vy * dtx - dvx * ty - vx * dty;
         let du = dvx * tx + vx * dtx + dvy * ty + vy * dty;
-        let held = splat(gamma) * *mass;
-        let resists = (held + *drag * w.abs()) * w;
-        let more = (held + splat(2.0) * *drag * w.abs()) * dw;
+        let inertia_rate = splat(gamma) * *mass;
+        let resists = (inertia_rate + *drag * w.abs()) * w;
+        let more = (inertia_rate + splat(2.0) * *drag * w.abs()) * dw;
         let flux = [0, 1].map(|k: usize| {
             (du * w + u * dw) * normal[k] + u * w * turned[k]
                 - w * dw * self.tangent[k]
-                - splat(0.5) * w * w * by.tangent[k]
+                - splat(0.5) * w * w * direction.tangent[k]
         });
         let push = [0, 1].map(|k: usize| more * normal[k] + resists * turned[k] - *leaves * flux[k]);
         [push, flux.map(|flux| *sheds * flux)]

@@ -34,7 +34,7 @@ impl Water {
         [force, momentum]: [&[f64]; 2],
     ) -> WaterGradient {
         let mut sums = [vec![Lanes::ZERO; q.len()], vec![Lanes::ZERO; q.len()]];
-        let mut by = [Lanes::ZERO; 2];
+        let mut by_factors = [Lanes::ZERO; 2];
         for block in 0..self.by.len() {
             let (slope, value) = (self.slope.block(block), self.value.block(block));
             let adjoints = Adjoints {
@@ -43,17 +43,17 @@ impl Water {
                 momentum: gather(value, momentum),
             };
             let [by_tangent, by_velocity, factors] =
-                self.motion(block, q, v).adjoint(&adjoints, &self.by[block], gamma);
+                self.section_motion(block, q, v).section_adjoint(&adjoints, &self.by[block], gamma);
             scatter(slope, &by_tangent, &mut sums[0]);
             scatter(value, &by_velocity, &mut sums[1]);
-            (0..2).for_each(|k| by[k] = by[k] + factors[k]);
+            (0..2).for_each(|k| by_factors[k] = by_factors[k] + factors[k]);
         }
         let [by_coordinates, by_velocity] = sums.map(|sums| {
             let mut reduced = vec![0.0; sums.len()];
             add_reduced(&sums, &mut reduced);
             reduced
         });
-        WaterGradient { by_coordinates, by_velocity, by_factors: by.map(Lanes::sum) }
+        WaterGradient { by_coordinates, by_velocity, by_factors: by_factors.map(Lanes::sum) }
     }
 }
 
@@ -61,16 +61,19 @@ impl Motion {
     /// Derivatives by the tangent, the velocity and the two factors of φ = w e·n + c |w| w a·n + u w k·n − ½ w² k·t, a the adjoint along
     /// displacement, e = m (γ a + ζ), k = h (the adjoint along slope) − l a.
     #[inline(always)]
-    fn adjoint(&self, by: &Adjoints, [mass, drag, sheds, leaves]: &[Lanes; 4], gamma: f64) -> [Pair; 3] {
+    fn section_adjoint(&self, adjoints: &Adjoints, [mass, drag, sheds, leaves]: &[Lanes; 4], gamma: f64) -> [Pair; 3] {
         let ([w, u], n, t, v) = (self.speeds(), self.normal(), self.tangent, self.velocity);
         let dot = |a: &Pair, b: &Pair| a[0] * b[0] + a[1] * b[1];
-        let held = [0, 1].map(|k: usize| *mass * (by.momentum[k].plus(splat(gamma), by.along[k])));
-        let shed = [0, 1].map(|k: usize| *sheds * by.turned[k] - *leaves * by.along[k]);
-        let (held_n, along_n, shed_n, shed_t) = (dot(&held, &n), dot(&by.along, &n), dot(&shed, &n), dot(&shed, &t));
+        let momentum_adjoint =
+            [0, 1].map(|k: usize| *mass * (adjoints.momentum[k].plus(splat(gamma), adjoints.along[k])));
+        let shed = [0, 1].map(|k: usize| *sheds * adjoints.turned[k] - *leaves * adjoints.along[k]);
+        let (held_n, along_n, shed_n, shed_t) =
+            (dot(&momentum_adjoint, &n), dot(&adjoints.along, &n), dot(&shed, &n), dot(&shed, &t));
         let resists = *drag * w.abs();
         let by_w = held_n + splat(2.0) * resists * along_n + u * shed_n - w * shed_t;
         let (by_u, half) = (w * shed_n, splat(0.5) * w * w);
-        let by_n = [0, 1].map(|k: usize| w * (held[k] + resists * by.along[k] + u * shed[k]) + by_w * v[k]);
+        let by_n =
+            [0, 1].map(|k: usize| w * (momentum_adjoint[k] + resists * adjoints.along[k] + u * shed[k]) + by_w * v[k]);
         // n = (−t_y, t_x)
         let turned = [by_n[1], Lanes::ZERO - by_n[0]];
         let by_t = [0, 1].map(|k: usize| by_u * v[k] - half * shed[k] + turned[k]);
