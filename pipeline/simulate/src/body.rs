@@ -6,9 +6,9 @@ use mesh::{Cavity, QuadraticElements, Skin, Solid};
 use si::Pascal;
 
 use crate::case::{Axis, Case, Chamber, Place};
-use crate::forces::{forces, nothing_there};
+use crate::forces::{nodal_forces, nothing_there};
 use crate::loads::Loads;
-use crate::materials::{fast_branches, properties};
+use crate::materials::{case_properties, fast_branches};
 use crate::reach::Reach;
 use crate::solid::Loaded;
 use diagnostics::{Diagnostic, Result};
@@ -40,21 +40,21 @@ impl<'a> Body<'a> {
         let Loaded { solid, regions, cavities, .. } = loaded;
         let mesh = fem_mesh(solid, &(0..cavities.len() as u16).collect::<Vec<_>>());
         let reach = Reach { solid, size: mesh.size() };
-        let (properties, mean_dilatation) = properties(case, regions)?;
-        let clamps = clamps(case, loaded, &reach)?;
-        let forces = forces(case, loaded, &mesh, &clamps)?;
+        let (properties, mean_dilatation) = case_properties(case, regions)?;
+        let clamps = case_clamps(case, loaded, &reach)?;
+        let forces = nodal_forces(case, loaded, &mesh, &clamps)?;
         let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
         let contact = case.contact.map(|set| Contact { range: set.range, pressure: set.pressure });
         let options = Options {
             lumped_mass,
             mean_dilatation,
-            masses: masses(case, &reach, &mesh)?,
+            masses: case_masses(case, &reach, &mesh)?,
             contact,
             ..Options::default()
         };
         let system = System::with(mesh, properties, &clamps, options)?;
-        let numbers = numbers(case, solid, cavities)?;
-        let mut notes = unnamed(&numbers, cavities);
+        let numbers = chamber_numbers(case, solid, cavities)?;
+        let mut notes = unnamed_chambers(&numbers, cavities);
         notes.extend(fast_branches(system.regions(), case));
         Ok(Self { solid, regions, cavities, system, forces, numbers, notes, interrupt: None })
     }
@@ -106,10 +106,10 @@ pub fn fem_mesh(solid: &Solid, chambers: &[u16]) -> fem::Mesh {
         faces.iter().filter(|(_, on)| *on == Skin::Chamber(*skin)).map(|(nodes, _)| nodes.to_vec()).collect()
     };
     let walls = chambers.iter().map(wall);
-    let elements = elements(solid);
+    let elements = fem_elements(solid);
     let of_order = |wall: Vec<Vec<u32>>| match elements {
         Elements::QuadraticHexahedra(_) => {
-            Faces::QuadraticQuadrilaterals(wall.iter().map(|nodes| side(nodes)).collect())
+            Faces::QuadraticQuadrilaterals(wall.iter().map(|nodes| eight_node_side(nodes)).collect())
         }
         Elements::Quadratic(_) => {
             Faces::Quadratic(wall.iter().map(|nodes| std::array::from_fn(|k| nodes[k])).collect())
@@ -125,7 +125,7 @@ pub fn fem_mesh(solid: &Solid, chambers: &[u16]) -> fem::Mesh {
     }
 }
 
-fn elements(solid: &Solid) -> Elements {
+fn fem_elements(solid: &Solid) -> Elements {
     match solid {
         Solid::Linear(mesh) => Elements::Linear(mesh.tets.clone()),
         Solid::Quadratic(mesh) => match &mesh.elements {
@@ -136,61 +136,61 @@ fn elements(solid: &Solid) -> Elements {
 }
 
 /// A face of hexahedra or wedges as a side of eight nodes.
-fn side(nodes: &[u32]) -> [u32; 8] {
+fn eight_node_side(nodes: &[u32]) -> [u32; 8] {
     match *nodes {
         [a, b, c, ab, bc, ca] => [a, b, c, c, ab, bc, c, ca],
         _ => std::array::from_fn(|k| nodes[k]),
     }
 }
 
-fn clamps(case: &Case, loaded: &Loaded, reach: &Reach) -> Result<Clamps> {
+fn case_clamps(case: &Case, loaded: &Loaded, reach: &Reach) -> Result<Clamps> {
     let mut clamps = Clamps::none();
     for (i, clamp) in case.clamp.iter().enumerate() {
-        let held = [Axis::X, Axis::Y, Axis::Z].map(|axis| clamp.hold.contains(&axis));
+        let held_axes = [Axis::X, Axis::Y, Axis::Z].map(|axis| clamp.hold.contains(&axis));
         let (nodes, place) = match (&clamp.surface, Place::of(clamp.plane, clamp.block)) {
             (Some(surface), _) => (reach.on_surface(&loaded.surfaces, surface)?, format!("the surface `{surface}`")),
-            (None, Some(place)) => (reach.nodes(&place), place.to_string()),
+            (None, Some(place)) => (reach.nodes_in(&place), place.to_string()),
             (None, None) => continue,
         };
         if nodes.is_empty() {
-            let what = format!("clamp {i} holds no node: none lies on {place}");
-            return Err(Diagnostic::new(what, reach.extent(), "move the clamp onto the body"));
+            let message = format!("clamp {i} holds no node: none lies on {place}");
+            return Err(Diagnostic::new(message, reach.extent_text(), "move the clamp onto the body"));
         }
-        nodes.into_iter().for_each(|node| clamps.constrain(node, held));
+        nodes.into_iter().for_each(|node| clamps.constrain(node, held_axes));
     }
     Ok(clamps)
 }
 
-fn masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {
-    let mut all = Masses::none();
+fn case_masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {
+    let mut masses = Masses::none();
     for (i, given) in case.mass.iter().enumerate() {
-        if let (Some(at), Some(mass)) = (given.near, given.mass) {
-            let node = reach.nearest(&format!("mass {i}"), at)?;
-            all = match given.hangs {
-                Some(axis) => all.hanging(node, mass, axis as usize),
-                None => all.on_node(node, mass),
+        if let (Some(point), Some(mass)) = (given.near, given.mass) {
+            let node = reach.nearest_node(&format!("mass {i}"), point)?;
+            masses = match given.hangs {
+                Some(axis) => masses.hanging(node, mass, axis as usize),
+                None => masses.on_node(node, mass),
             };
         }
         if let (Some(place), Some(layer)) = (Place::of(given.plane, given.block), given.area_density) {
-            let faces = reach.faces(&place);
+            let faces = reach.faces_in(&place);
             if faces.is_empty() {
                 return Err(nothing_there(&format!("mass {i}"), reach));
             }
-            all = faces.iter().try_fold(all, |sum, face| sum.on_face(mesh, face, layer))?;
+            masses = faces.iter().try_fold(masses, |sum, face| sum.on_face(mesh, face, layer))?;
         }
     }
-    Ok(all)
+    Ok(masses)
 }
 
 /// The chamber of the mesh that each chamber of the case is.
-fn numbers(case: &Case, solid: &Solid, cavities: &[Cavity]) -> Result<Vec<usize>> {
+fn chamber_numbers(case: &Case, solid: &Solid, cavities: &[Cavity]) -> Result<Vec<usize>> {
     let mut numbers = Vec::new();
     for (i, chamber) in case.chamber.iter().enumerate() {
-        let found = match (chamber.inside, chamber.number) {
-            (Some(at), _) => chamber_containing(solid, at).map(usize::from),
+        let candidate = match (chamber.inside, chamber.number) {
+            (Some(point), _) => chamber_containing(solid, point).map(usize::from),
             (None, number) => number.filter(|number| *number < cavities.len()),
         };
-        let number = found.filter(|number| !numbers.contains(number)).ok_or_else(|| {
+        let number = candidate.filter(|number| !numbers.contains(number)).ok_or_else(|| {
             let centres: Vec<String> = cavities.iter().map(|c| format!("{:.4?} m", c.centroid)).collect();
             Diagnostic::new(
                 format!("chamber {i} of the case is no chamber of the mesh, or stands twice"),
@@ -203,7 +203,7 @@ fn numbers(case: &Case, solid: &Solid, cavities: &[Cavity]) -> Result<Vec<usize>
     Ok(numbers)
 }
 
-fn unnamed(numbers: &[usize], cavities: &[Cavity]) -> Vec<String> {
+fn unnamed_chambers(numbers: &[usize], cavities: &[Cavity]) -> Vec<String> {
     let free = (0..cavities.len()).filter(|number| !numbers.contains(number));
     free.map(|number| format!("chamber {number} of the mesh stays at ambient pressure: the case does not name it"))
         .collect()

@@ -92,7 +92,7 @@ impl Watch {
     /// The question for a solver: it counts an iteration each time that it is asked.
     pub fn interrupt(self: &Arc<Self>) -> Interrupt {
         let watch = self.clone();
-        Arc::new(move || watch.count())
+        Arc::new(move || watch.count_iteration())
     }
 
     /// A level or time step begins.
@@ -105,13 +105,13 @@ impl Watch {
         self.exceeded.get().copied()
     }
 
-    fn count(&self) -> bool {
+    fn count_iteration(&self) -> bool {
         if self.other.as_ref().is_some_and(|asked| asked()) || self.exceeded.get().is_some() {
             return true;
         }
-        let made = self.iterations.fetch_add(1, Ordering::Relaxed);
+        let iterations_before = self.iterations.fetch_add(1, Ordering::Relaxed);
         let late = self.timeout.filter(|(_, limit)| self.began.elapsed() >= *limit);
-        let spent = (made >= self.most).then_some(Exceeded::Iterations(self.most));
+        let spent = (iterations_before >= self.most).then_some(Exceeded::Iterations(self.most));
         match late.map(|(seconds, _)| Exceeded::Timeout(seconds)).or(spent) {
             Some(limit) => self.exceeded.set(limit).is_ok() || self.exceeded.get().is_some(),
             None => false,

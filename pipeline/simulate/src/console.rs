@@ -36,7 +36,7 @@ impl Console {
     }
 
     /// Prints one line.
-    pub fn line(&self, text: &str) {
+    pub fn print_line(&self, text: &str) {
         self.last.store(self.elapsed_ms(), Ordering::Relaxed);
         if !self.quiet {
             output::note(format_args!("{:<10} {text}", self.stem));
@@ -44,7 +44,7 @@ impl Console {
     }
 
     /// Prints what was solved.
-    pub fn last(&self, summary: &Summary) {
+    pub fn print_summary(&self, summary: &Summary) {
         let Summary { dofs, solved, folder, .. } = summary;
         let iterations = summary.iterations.map_or(String::new(), |count| format!("{count} iterations, "));
         let (seconds, folder) = (self.began.elapsed().as_secs_f64(), folder.display());
@@ -58,19 +58,19 @@ impl Console {
     pub(crate) fn reporting(self: &Arc<Self>, interrupt: Option<Interrupt>) -> Interrupt {
         let console = self.clone();
         Arc::new(move || {
-            console.report(SILENCE);
+            console.report_if_silent(SILENCE);
             interrupt.as_ref().is_some_and(|asked| asked())
         })
     }
 
     /// Prints that the solve goes on, unless a line was printed within `silence`; whether it did.
-    fn report(&self, silence: Duration) -> bool {
+    fn report_if_silent(&self, silence: Duration) -> bool {
         let (now, last) = (self.elapsed_ms(), self.last.load(Ordering::Relaxed));
         let due = u128::from(now.saturating_sub(last)) >= silence.as_millis();
         // of several threads that ask at once, one reports
         let first = due && self.last.compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed).is_ok();
         if first {
-            self.line(&format!("still solving, {} s after the start", now / 1000));
+            self.print_line(&format!("still solving, {} s after the start", now / 1000));
         }
         first
     }
@@ -87,11 +87,11 @@ mod tests {
     #[test]
     fn a_solve_reports_once_after_a_silence_and_not_while_lines_are_printed() {
         let console = Console::new("finger", true);
-        console.line("level 1");
-        assert!(!console.report(Duration::from_secs(3600)));
+        console.print_line("level 1");
+        assert!(!console.report_if_silent(Duration::from_secs(3600)));
         let silence = Duration::from_millis(30);
         std::thread::sleep(2 * silence);
-        assert!(console.report(silence) && !console.report(silence));
+        assert!(console.report_if_silent(silence) && !console.report_if_silent(silence));
     }
 
     #[test]

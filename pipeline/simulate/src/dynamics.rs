@@ -20,21 +20,21 @@ const LINES: usize = 20;
 ///
 /// # Errors
 /// A [`Diagnostic`] that names the time at which no motion was found; everything up to it, and the last state, is then written.
-pub(super) fn solve(set: &Dynamic, simulation: Simulation) -> Result<Summary> {
+pub(super) fn solve_motion(set: &Dynamic, simulation: Simulation) -> Result<Summary> {
     let Simulation { case, body, budget, .. } = simulation;
     let mut solver = body.solver(case)?;
     let loads = body.loads(case);
     let mut initial = State::rest(body.solid.nodes().len());
     if set.start == Start::Equilibrium {
-        let found = start_equilibrium(&mut solver, &loads, &budget);
-        initial.displacement = found.map_err(|e| Diagnostic::from(e).while_doing("the start"))?.displacement;
+        let equilibrium = start_equilibrium(&mut solver, &loads, &budget);
+        initial.displacement = equilibrium.map_err(|e| Diagnostic::from(e).while_doing("the start"))?.displacement;
     }
     // the output needs the solver's gas law while the integration borrows the solver
     let reader = body.solver(case)?;
     let last = (0.0, initial.clone());
     let clock = simulation.watch.clone();
     let mut watch = Watcher { simulation, reader: &reader, loads: loads.clone(), steps: 0, last, diagnostic: None };
-    watch.see(0.0, &initial);
+    watch.see_state(0.0, &initial);
     let lost = {
         let mut observe = |time: Second, state: &State| {
             clock.restart();
@@ -42,9 +42,9 @@ pub(super) fn solve(set: &Dynamic, simulation: Simulation) -> Result<Summary> {
         };
         let pressures = |time: Second| loads.pressures_at(time);
         let problem = InitialValueProblem { settings: &set.settings(), initial: &initial, pressures: &pressures };
-        integrate(set, &mut solver, &problem, &mut observe).err()
+        integrate_motion(set, &mut solver, &problem, &mut observe).err()
     };
-    watch.end(lost, &clock)
+    watch.end_motion(lost, &clock)
 }
 
 /// The equilibrium in which a motion begins that starts in one: under the loads of time 0. The solver has the dead forces.
@@ -76,7 +76,7 @@ impl Steps {
     }
 }
 
-fn integrate(
+fn integrate_motion(
     set: &Dynamic,
     solver: &mut Solver,
     problem: &InitialValueProblem,
@@ -108,39 +108,41 @@ struct Watcher<'a> {
 impl Watcher<'_> {
     fn next(&mut self, time: Second, state: &State) {
         self.steps += 1;
-        self.see(time, state);
+        self.see_state(time, state);
         let planned =
             self.simulation.case.dynamic.as_ref().and_then(|set| Some((set.duration / set.step?).round() as usize));
         if self.steps.is_multiple_of(planned.map_or(LINES, |steps| steps.div_ceil(LINES).max(1))) {
             let fastest = state.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            self.simulation.console.line(&format!("step {} at {time:.6} s: fastest {fastest:.3e} m/s", self.steps));
+            self.simulation
+                .console
+                .print_line(&format!("step {} at {time:.6} s: fastest {fastest:.3e} m/s", self.steps));
         }
         self.last = (time, state.clone());
     }
 
-    fn see(&mut self, time: Second, state: &State) {
+    fn see_state(&mut self, time: Second, state: &State) {
         if self.diagnostic.is_none() {
-            self.diagnostic = self.write(time, state).err();
+            self.diagnostic = self.write_step(time, state).err();
         }
     }
 
-    fn write(&mut self, time: Second, state: &State) -> Result<()> {
+    fn write_step(&mut self, time: Second, state: &State) -> Result<()> {
         let Simulation { case, body, written, .. } = &mut self.simulation;
         if self.steps.is_multiple_of(case.output.every) {
             let pressures = self.loads.pressures_at(time);
             let solved = Solved { at: time, displacement: &state.displacement, pressures: &pressures, stability: None };
-            written.table.row(body, self.reader, &solved)?;
+            written.table.write_row(body, self.reader, &solved)?;
         }
         let every = case.output.vtu_every.unwrap_or(FRAME_EVERY);
         if every > 0 && self.steps.is_multiple_of(every) {
             let name = written.frames.next_name();
-            written.frames.write(&name, time, body, &frame(state, self.reader))?;
+            written.frames.write_frame(&name, time, body, &state_frame(state, self.reader))?;
         }
         Ok(())
     }
 
     /// The summary, or the diagnostic with the last state kept.
-    fn end(mut self, lost: Option<SolveError>, clock: &Watch) -> Result<Summary> {
+    fn end_motion(mut self, lost: Option<SolveError>, clock: &Watch) -> Result<Summary> {
         if let Some(diagnostic) = self.diagnostic.take() {
             return Err(diagnostic);
         }
@@ -149,12 +151,12 @@ impl Watcher<'_> {
         };
         let (time, state) = &self.last;
         let Simulation { body, written, .. } = &mut self.simulation;
-        let path = written.frames.write("last_converged.vtu", *time, body, &frame(state, self.reader))?;
+        let path = written.frames.write_frame("last_converged.vtu", *time, body, &state_frame(state, self.reader))?;
         Err(lost_step(lost, *time, clock).noting(format!("last converged state: {}", path.display())))
     }
 }
 
-fn frame<'a>(state: &'a State, reader: &'a Solver) -> Frame<'a> {
+fn state_frame<'a>(state: &'a State, reader: &'a Solver) -> Frame<'a> {
     let (displacement, velocity) = (&state.displacement, Some(state.velocity.as_slice()));
     Frame { displacement, velocity, mode: None, properties: reader.properties() }
 }

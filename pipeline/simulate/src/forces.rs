@@ -16,12 +16,13 @@ use crate::solid::Loaded;
 ///
 /// # Errors
 /// A [`Diagnostic`] when a load meets nothing, or held nodes alone.
-pub(super) fn forces(case: &Case, loaded: &Loaded, mesh: &fem::Mesh, clamps: &Clamps) -> Result<Vec<f64>> {
+pub(super) fn nodal_forces(case: &Case, loaded: &Loaded, mesh: &fem::Mesh, clamps: &Clamps) -> Result<Vec<f64>> {
     let reach = Reach { solid: &loaded.solid, size: mesh.size() };
-    let held: BTreeMap<u32, [bool; 3]> = clamps.iter().collect();
+    let clamped_axes: BTreeMap<u32, [bool; 3]> = clamps.iter().collect();
     let plane = |node: u32| mesh.symmetry_plane_z && mesh.nodes[node as usize][2] == 0.0;
-    let still = |node: u32, axis: usize| held.get(&node).is_some_and(|axes| axes[axis]) || (axis == 2 && plane(node));
-    let mut all = vec![0.0; 3 * mesh.nodes.len()];
+    let still =
+        |node: u32, axis: usize| clamped_axes.get(&node).is_some_and(|axes| axes[axis]) || (axis == 2 && plane(node));
+    let mut total = vec![0.0; 3 * mesh.nodes.len()];
     for (i, load) in case.load.iter().enumerate() {
         let name = format!("load {i}");
         let list = match loaded.tables.get(&i) {
@@ -36,9 +37,9 @@ pub(super) fn forces(case: &Case, loaded: &Loaded, mesh: &fem::Mesh, clamps: &Cl
                 "move the load or the clamp, or hold fewer axes",
             ));
         }
-        all.iter_mut().zip(list).for_each(|(sum, force)| *sum += force);
+        total.iter_mut().zip(list).for_each(|(sum, force)| *sum += force);
     }
-    Ok(all)
+    Ok(total)
 }
 
 /// Forces of one load, 3 a node, N.
@@ -46,19 +47,19 @@ fn one_load(name: &str, load: &case::Load, reach: &Reach, mesh: &fem::Mesh) -> R
     let none = Forces::none(mesh);
     let place = Place::of(load.plane, load.block);
     let forces = match (load.near, load.force, place, load.line_force, load.traction) {
-        (Some(at), Some(force), ..) => none.on_node(reach.nearest(name, at)?, force)?,
-        (.., Some(place), Some(along), _) => {
-            reach.edges(&place).iter().try_fold(none, |sum, edge| sum.on_edge(edge, along))?
+        (Some(point), Some(force), ..) => none.on_node(reach.nearest_node(name, point)?, force)?,
+        (.., Some(place), Some(force_per_length), _) => {
+            reach.edges_in(&place).iter().try_fold(none, |sum, edge| sum.on_edge(edge, force_per_length))?
         }
         _ if load.pressure.is_some() => {
-            let over = load.pressure.unwrap_or_default();
-            walls(name, load, reach)?.iter().try_fold(none, |sum, face| {
-                let normal = outward(mesh, face);
-                sum.on_face(face, normal.map(|n| -over * n))
+            let intensity = load.pressure.unwrap_or_default();
+            pressed_faces(name, load, reach)?.iter().try_fold(none, |sum, face| {
+                let normal = outward_normal(mesh, face);
+                sum.on_face(face, normal.map(|n| -intensity * n))
             })?
         }
-        (.., Some(place), _, Some(over)) => {
-            reach.faces(&place).iter().try_fold(none, |sum, face| sum.on_face(face, over))?
+        (.., Some(place), _, Some(intensity)) => {
+            reach.faces_in(&place).iter().try_fold(none, |sum, face| sum.on_face(face, intensity))?
         }
         _ => none,
     };
@@ -74,11 +75,11 @@ fn of_table(name: &str, table: &ForceTable, reach: &Reach, mesh: &fem::Mesh) -> 
     for &(line, node, force) in table {
         let entry = format!("{name}, line {line} of its table,");
         let node = match node {
-            NodeOf::Near(at) => reach.nearest(&entry, at)?,
+            NodeOf::Near(point) => reach.nearest_node(&entry, point)?,
             NodeOf::Number(number) if number < mesh.nodes.len() => number as u32,
             NodeOf::Number(number) => {
-                let why = format!("nodes are numbered from 0 to {}", mesh.nodes.len() - 1);
-                return Err(Diagnostic::new(format!("{entry} names node {number}"), why, "correct the number"));
+                let reason = format!("nodes are numbered from 0 to {}", mesh.nodes.len() - 1);
+                return Err(Diagnostic::new(format!("{entry} names node {number}"), reason, "correct the number"));
             }
         };
         forces = forces.on_node(node, force)?;
@@ -87,27 +88,27 @@ fn of_table(name: &str, table: &ForceTable, reach: &Reach, mesh: &fem::Mesh) -> 
 }
 
 /// The faces on which a dead pressure acts: of the outer skin in a place, or the walls of a chamber.
-fn walls(name: &str, load: &case::Load, reach: &Reach) -> Result<Vec<Vec<u32>>> {
+fn pressed_faces(name: &str, load: &case::Load, reach: &Reach) -> Result<Vec<Vec<u32>>> {
     if let Some(place) = Place::of(load.plane, load.block) {
-        return Ok(reach.faces(&place));
+        return Ok(reach.faces_in(&place));
     }
-    let chamber = load.inside.and_then(|at| chamber_containing(reach.solid, at)).ok_or_else(|| {
-        let why = "the point is in no closed cavity of the mesh";
-        Diagnostic::new(format!("{name} has no chamber"), why, "give a point inside one, m in the frame of the mesh")
+    let chamber = load.inside.and_then(|point| chamber_containing(reach.solid, point)).ok_or_else(|| {
+        let reason = "the point is in no closed cavity of the mesh";
+        Diagnostic::new(format!("{name} has no chamber"), reason, "give a point inside one, m in the frame of the mesh")
     })?;
     let faces = reach.solid.faces().into_iter().filter(|(_, on)| *on == Skin::Chamber(chamber));
     Ok(faces.map(|(nodes, _)| nodes.to_vec()).collect())
 }
 
 /// The unit normal of a face at rest, out of the solid.
-fn outward(mesh: &fem::Mesh, face: &[u32]) -> Point3 {
+fn outward_normal(mesh: &fem::Mesh, face: &[u32]) -> Point3 {
     let [a, b, c] = [0, 1, 2].map(|k| mesh.nodes[face[k] as usize]);
     let normal = vec3::cross(vec3::sub(b, a), vec3::sub(c, a));
     vec3::scale(normal, 1.0 / vec3::norm(normal))
 }
 
 pub(super) fn nothing_there(entry: &str, reach: &Reach) -> Diagnostic {
-    let what =
+    let message =
         format!("{entry} meets nothing: no face or edge of the outer skin lies in its place with all its corners");
-    Diagnostic::new(what, reach.extent(), "move it onto the body's surface, or widen its box")
+    Diagnostic::new(message, reach.extent_text(), "move it onto the body's surface, or widen its box")
 }

@@ -13,7 +13,7 @@ use mesh::Solid;
 
 use super::cannot_write;
 use crate::body::Body;
-use crate::stress::stress;
+use crate::stress::element_stresses;
 use diagnostics::{Diagnostic, Result};
 
 /// One state of a body.
@@ -40,13 +40,13 @@ impl Frames {
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when the folder cannot be changed.
-    pub fn begin(folder: &Path, stem: &str) -> Result<Self> {
-        let own = format!("{stem}.pvd");
+    pub fn begin_folder(folder: &Path, stem: &str) -> Result<Self> {
+        let own_list = format!("{stem}.pvd");
         let entries: Vec<_> = std::fs::read_dir(folder).map_err(|e| cannot_write(folder, &e))?.flatten().collect();
         for entry in &entries {
             let name = entry.file_name().to_string_lossy().into_owned();
-            if name.ends_with(".pvd") && name != own {
-                return Err(others(folder, &name));
+            if name.ends_with(".pvd") && name != own_list {
+                return Err(others_results(folder, &name));
             }
         }
         for entry in entries {
@@ -57,7 +57,7 @@ impl Frames {
                 std::fs::remove_file(entry.path()).map_err(|e| cannot_write(&entry.path(), &e))?;
             }
         }
-        let frames = Self { folder: folder.to_owned(), list: folder.join(own), written: Vec::new() };
+        let frames = Self { folder: folder.to_owned(), list: folder.join(own_list), written: Vec::new() };
         frames.write_list()?;
         Ok(frames)
     }
@@ -76,9 +76,9 @@ impl Frames {
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when a file cannot be written.
-    pub fn write(&mut self, name: &str, at: f64, body: &Body, frame: &Frame) -> Result<PathBuf> {
+    pub fn write_frame(&mut self, name: &str, at: f64, body: &Body, frame: &Frame) -> Result<PathBuf> {
         let path = self.folder.join(name);
-        std::fs::write(&path, text(body, frame)).map_err(|e| cannot_write(&path, &e))?;
+        std::fs::write(&path, vtu_text(body, frame)).map_err(|e| cannot_write(&path, &e))?;
         self.written.push((at, name.to_owned()));
         self.write_list()?;
         Ok(path)
@@ -96,7 +96,7 @@ impl Frames {
 }
 
 /// A folder with the frames of another case.
-fn others(folder: &Path, list: &str) -> Diagnostic {
+fn others_results(folder: &Path, list: &str) -> Diagnostic {
     Diagnostic::file(
         folder,
         format!("the folder holds the results of another case, {list}"),
@@ -109,54 +109,63 @@ fn others(folder: &Path, list: &str) -> Diagnostic {
 fn write_cells(text: &mut String, solid: &Solid) {
     let listed: Vec<(u8, Vec<u32>)> =
         (0..solid.len()).map(|element| mesh::vtu::vtk_cell(solid.element(element))).collect();
-    wholes(text, "connectivity", &listed.iter().flat_map(|cell| &cell.1).map(|&node| node as i32).collect::<Vec<_>>());
+    write_integers(
+        text,
+        "connectivity",
+        &listed.iter().flat_map(|cell| &cell.1).map(|&node| node as i32).collect::<Vec<_>>(),
+    );
     let ends = listed.iter().scan(0, |end, (_, nodes)| {
         *end += nodes.len() as i32;
         Some(*end)
     });
-    wholes(text, "offsets", &ends.collect::<Vec<_>>());
+    write_integers(text, "offsets", &ends.collect::<Vec<_>>());
     let types: Vec<u8> = listed.iter().map(|cell| cell.0).collect();
-    DataArray { kind: "UInt8", name: "types", components: 1 }.write(text, &types);
+    DataArray { kind: "UInt8", name: "types", components: 1 }.write_array(text, &types);
 }
 
-fn text(body: &Body, frame: &Frame) -> String {
+fn vtu_text(body: &Body, frame: &Frame) -> String {
     let solid = body.solid;
     let (points, cells) = (solid.nodes().len(), solid.len());
     let mut text = String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" ");
     text += "byte_order=\"LittleEndian\" header_type=\"UInt32\"><UnstructuredGrid>\n";
     let _ = writeln!(text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
     text += "<Points>\n";
-    reals(&mut text, "position_m", 3, &solid.nodes().concat());
+    write_reals(&mut text, "position_m", 3, &solid.nodes().concat());
     text += "</Points>\n<Cells>\n";
     write_cells(&mut text, solid);
     text += "</Cells>\n<PointData Vectors=\"displacement_m\">\n";
-    reals(&mut text, "displacement_m", 3, frame.displacement);
+    write_reals(&mut text, "displacement_m", 3, frame.displacement);
     if let Some(velocity) = frame.velocity {
-        reals(&mut text, "velocity_m_per_s", 3, velocity);
+        write_reals(&mut text, "velocity_m_per_s", 3, velocity);
     }
     if let Some(mode) = frame.mode {
-        reals(&mut text, "mode", 3, mode);
+        write_reals(&mut text, "mode", 3, mode);
     }
     text += "</PointData>\n<CellData Scalars=\"von_mises_pa\">\n";
-    let stress = stress(solid, frame.displacement, frame.properties);
-    wholes(
+    let stress = element_stresses(solid, frame.displacement, frame.properties);
+    write_integers(
         &mut text,
         "region",
         &solid.regions().iter().map(|&r| body.regions[usize::from(r)].tag as i32).collect::<Vec<_>>(),
     );
-    reals(&mut text, "von_mises_pa", 1, &stress.iter().map(|at| at.von_mises).collect::<Vec<_>>());
-    reals(&mut text, "energy_density_j_per_m3", 1, &stress.iter().map(|at| at.energy_density).collect::<Vec<_>>());
+    write_reals(&mut text, "von_mises_pa", 1, &stress.iter().map(|at| at.von_mises).collect::<Vec<_>>());
+    write_reals(
+        &mut text,
+        "energy_density_j_per_m3",
+        1,
+        &stress.iter().map(|at| at.energy_density).collect::<Vec<_>>(),
+    );
     text + "</CellData>\n</Piece></UnstructuredGrid></VTKFile>\n"
 }
 
-fn reals(text: &mut String, name: &str, components: usize, values: &[f64]) {
+fn write_reals(text: &mut String, name: &str, components: usize, values: &[f64]) {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-    DataArray { kind: "Float64", name, components }.write(text, &bytes);
+    DataArray { kind: "Float64", name, components }.write_array(text, &bytes);
 }
 
-fn wholes(text: &mut String, name: &str, values: &[i32]) {
+fn write_integers(text: &mut String, name: &str, values: &[i32]) {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-    DataArray { kind: "Int32", name, components: 1 }.write(text, &bytes);
+    DataArray { kind: "Int32", name, components: 1 }.write_array(text, &bytes);
 }
 
 /// Header of a VTK data array.
@@ -169,14 +178,14 @@ struct DataArray<'a> {
 }
 
 impl DataArray<'_> {
-    fn write(&self, text: &mut String, bytes: &[u8]) {
+    fn write_array(&self, text: &mut String, bytes: &[u8]) {
         let Self { kind, name, components } = self;
-        let mut all = (bytes.len() as u32).to_le_bytes().to_vec();
-        all.extend(bytes);
+        let mut payload = (bytes.len() as u32).to_le_bytes().to_vec();
+        payload.extend(bytes);
         let _ = write!(
             text,
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
         );
-        let _ = writeln!(text, "{}</DataArray>", STANDARD.encode(all));
+        let _ = writeln!(text, "{}</DataArray>", STANDARD.encode(payload));
     }
 }

@@ -117,27 +117,27 @@ fn simulate_case(case: &Case, path: &Path, options: RunOptions) -> Result<Summar
     let parent = path.parent().unwrap_or(Path::new("."));
     let console = Arc::new(Console::new(&stem, quiet));
     let loaded = solid::load(case, parent)?;
-    loaded.notes.iter().for_each(|note| console.line(note));
+    loaded.notes.iter().for_each(|note| console.print_line(note));
     let budget = budget.or(case.budget());
     let watch = budget.watch(Some(console.reporting(interrupt)));
     // Where case and mesh do not match, either may be wrong.
     let body = Body::new(case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
     let body = body.interruptible(Some(watch.interrupt()));
-    body.notes.iter().for_each(|note| console.line(note));
+    body.notes.iter().for_each(|note| console.print_line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let written =
-        Outputs { frames: Frames::begin(&folder, &stem)?, table: Table::create(case, &body, &folder, &stem)? };
-    let solved = solve(Simulation { case, body: &body, written, console: &console, budget, watch })?;
+        Outputs { frames: Frames::begin_folder(&folder, &stem)?, table: Table::create(case, &body, &folder, &stem)? };
+    let solved = solve_simulation(Simulation { case, body: &body, written, console: &console, budget, watch })?;
     let summary = Summary { dofs: body.system.dofs(), folder, ..solved };
-    console.last(&summary);
+    console.print_summary(&summary);
     Ok(summary)
 }
 
-fn solve(simulation: Simulation) -> Result<Summary> {
+fn solve_simulation(simulation: Simulation) -> Result<Summary> {
     match (&simulation.case.statics, &simulation.case.dynamic) {
-        (Some(set), _) if set.arc_length.is_some() => path::solve(set, simulation),
-        (Some(set), _) => statics::solve(set, simulation),
-        (None, Some(set)) => dynamics::solve(set, simulation),
+        (Some(set), _) if set.arc_length.is_some() => path::solve_path(set, simulation),
+        (Some(set), _) => statics::solve_levels(set, simulation),
+        (None, Some(set)) => dynamics::solve_motion(set, simulation),
         (None, None) => {
             Err(Diagnostic::new("nothing is asked for", "a case has [static] or [dynamic]", "add one of them"))
         }
@@ -161,6 +161,6 @@ struct Outputs {
 }
 
 fn cannot_write(path: &Path, error: &std::io::Error) -> Diagnostic {
-    let what = format!("{} cannot be written", path.display());
-    Diagnostic::new(what, error.to_string().to_lowercase(), "name another folder with --out")
+    let message = format!("{} cannot be written", path.display());
+    Diagnostic::new(message, error.to_string().to_lowercase(), "name another folder with --out")
 }

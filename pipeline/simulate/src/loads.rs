@@ -24,15 +24,15 @@ impl Loads {
 
     /// Pressures at a level of a static case, one a chamber of the mesh, Pa; 0 where the case names none.
     pub fn pressures_at_level(&self, level: f64) -> Vec<Pascal> {
-        self.pressures(|history| history.at_level(level))
+        self.chamber_pressures(|history| history.at_level(level))
     }
 
     /// Pressures at a time, one a chamber of the mesh, Pa.
     pub fn pressures_at(&self, time: Second) -> Vec<Pascal> {
-        self.pressures(|history| history.at(time))
+        self.chamber_pressures(|history| history.value_at(time))
     }
 
-    fn pressures(&self, value: impl Fn(&History) -> Pascal) -> Vec<Pascal> {
+    fn chamber_pressures(&self, value: impl Fn(&History) -> Pascal) -> Vec<Pascal> {
         let mut pressures = vec![0.0; self.chambers];
         for (number, history) in &self.histories {
             pressures[*number] = value(history);

@@ -10,7 +10,7 @@ use diagnostics::{Diagnostic, Result};
 ///
 /// # Errors
 /// A [`Diagnostic`] when a region has no material or two, the case names one that is not there, or a law is unknown.
-pub(super) fn properties(case: &Case, regions: &[Region]) -> Result<(Vec<RegionProperties>, Vec<bool>)> {
+pub(super) fn case_properties(case: &Case, regions: &[Region]) -> Result<(Vec<RegionProperties>, Vec<bool>)> {
     let is = |given: &case::Region, region: &Region| match (&given.name, given.tag) {
         (Some(name), _) => region.name.as_ref() == Some(name),
         (_, Some(tag)) => region.tag == tag,
@@ -18,44 +18,50 @@ pub(super) fn properties(case: &Case, regions: &[Region]) -> Result<(Vec<RegionP
     };
     for (i, given) in case.region.iter().enumerate() {
         if !regions.iter().any(|region| is(given, region)) {
-            let what =
-                format!("region {i} of the case ({}) is not in the mesh", called(given.tag, given.name.as_deref()));
-            return Err(Diagnostic::new(what, known(regions), "correct its name or tag"));
+            let message = format!(
+                "region {i} of the case ({}) is not in the mesh",
+                region_title(given.tag, given.name.as_deref())
+            );
+            return Err(Diagnostic::new(message, known_regions(regions), "correct its name or tag"));
         }
     }
-    let mut found = (Vec::new(), Vec::new());
+    let mut assigned = (Vec::new(), Vec::new());
     for region in regions {
         let given: Vec<_> = case.region.iter().filter(|given| is(given, region)).collect();
-        let [one] = given[..] else {
-            let what =
-                format!("region {} has {} materials", called(Some(region.tag), region.name.as_deref()), given.len());
+        let [single] = given[..] else {
+            let message = format!(
+                "region {} has {} materials",
+                region_title(Some(region.tag), region.name.as_deref()),
+                given.len()
+            );
             let act = "give each region of the mesh one [[region]] with its name or tag";
-            return Err(Diagnostic::new(what, known(regions), act));
+            return Err(Diagnostic::new(message, known_regions(regions), act));
         };
-        found.0.push(region_properties(one)?);
-        found.1.push(one.mean_dilatation);
+        assigned.0.push(region_properties(single)?);
+        assigned.1.push(single.mean_dilatation);
     }
-    Ok(found)
+    Ok(assigned)
 }
 
 fn region_properties(of: &case::Region) -> Result<RegionProperties> {
-    let relaxation = relaxation(of)?;
+    let relaxation = case_relaxation(of)?;
     let youngs_modulus = of.youngs_modulus / of.modulus_time.map_or(1.0, |time| relaxation.modulus(time));
-    let elastic = RegionProperties::elastic(material(&of.material)?, youngs_modulus, of.poissons_ratio, of.density);
+    let elastic =
+        RegionProperties::elastic(material_by_name(&of.material)?, youngs_modulus, of.poissons_ratio, of.density);
     Ok(RegionProperties { stiffening: of.stiffening, relaxation, ..elastic })
 }
 
-fn relaxation(of: &case::Region) -> Result<Relaxation> {
-    let made = match of.springpot {
+fn case_relaxation(region: &case::Region) -> Result<Relaxation> {
+    let relaxation = match region.springpot {
         Some(case::Springpot { strength, exponent, decades }) => {
             Relaxation::springpot(Springpot { strength, exponent, decades })
         }
         None => {
             let branch = |branch: &case::Branch| Branch { strength: branch.strength, time: branch.time };
-            Relaxation::maxwell(&of.branch.iter().map(branch).collect::<Vec<_>>())
+            Relaxation::maxwell(&region.branch.iter().map(branch).collect::<Vec<_>>())
         }
     };
-    made.map_err(Diagnostic::from)
+    relaxation.map_err(Diagnostic::from)
 }
 
 /// One line for each relaxation branch that the steps of a motion cannot follow.
@@ -76,15 +82,15 @@ pub(super) fn fast_branches(properties: &[RegionProperties], case: &Case) -> Vec
     properties.iter().enumerate().flat_map(of_region).collect()
 }
 
-fn material(name: &str) -> Result<&'static dyn fem::Material> {
+fn material_by_name(name: &str) -> Result<&'static dyn fem::Material> {
     fem::materials::by_name(name).ok_or_else(|| {
-        let known: Vec<&str> = fem::materials::ALL.iter().map(|law| law.name()).collect();
-        let why = format!("known materials: {}", known.join(", "));
-        Diagnostic::new(format!("there is no material `{name}`"), why, "correct the case")
+        let known_names: Vec<&str> = fem::materials::ALL.iter().map(|law| law.name()).collect();
+        let reason = format!("known materials: {}", known_names.join(", "));
+        Diagnostic::new(format!("there is no material `{name}`"), reason, "correct the case")
     })
 }
 
-fn called(tag: Option<i64>, name: Option<&str>) -> String {
+fn region_title(tag: Option<i64>, name: Option<&str>) -> String {
     match (tag, name) {
         (Some(tag), Some(name)) => format!("`{name}`, tag {tag}"),
         (Some(tag), None) => format!("tag {tag}"),
@@ -93,7 +99,7 @@ fn called(tag: Option<i64>, name: Option<&str>) -> String {
     }
 }
 
-fn known(regions: &[Region]) -> String {
-    let each = regions.iter().map(|region| called(Some(region.tag), region.name.as_deref()));
+fn known_regions(regions: &[Region]) -> String {
+    let each = regions.iter().map(|region| region_title(Some(region.tag), region.name.as_deref()));
     format!("the mesh has {} regions: {}", regions.len(), each.collect::<Vec<_>>().join("; "))
 }

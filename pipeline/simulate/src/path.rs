@@ -28,7 +28,7 @@ use diagnostics::{Diagnostic, Result};
 /// # Errors
 /// A [`Diagnostic`] when the path cannot be begun, or does not reach the last level; the points up to there are then
 /// written.
-pub(super) fn solve(set: &Static, simulation: Simulation) -> Result<Summary> {
+pub(super) fn solve_path(set: &Static, simulation: Simulation) -> Result<Summary> {
     let Simulation { case, body, .. } = simulation;
     let (loads, watch) = (body.loads(case), simulation.watch.clone());
     let mut report = PathReport {
@@ -42,8 +42,9 @@ pub(super) fn solve(set: &Static, simulation: Simulation) -> Result<Summary> {
     };
     report.write_critical()?;
     let path = FollowedPath { statics: set, loads: &loads, heavy: case.gravity != [0.0; 3], watch };
-    let followed = path.follow(&body.system, &|| body.solver(case), &mut |event, dofs| report.observe(event, dofs));
-    report.finished(followed)
+    let followed =
+        path.follow(&body.system, &|| body.solver(case), &mut |event, dofs| report.observe_event(event, dofs));
+    report.finish_path(followed)
 }
 
 /// A path of equilibria, followed by the command line and by the Python package.
@@ -203,59 +204,59 @@ struct PathReport<'a> {
 }
 
 impl PathReport<'_> {
-    fn observe(&mut self, event: PathEvent, dofs: &DofMap) {
+    fn observe_event(&mut self, event: PathEvent, dofs: &DofMap) {
         if self.failed.is_none() {
             self.failed = match event {
-                PathEvent::Point(point) => self.point(point, dofs).err(),
-                PathEvent::Critical(point) => self.critical(point, dofs).err(),
+                PathEvent::Point(point) => self.write_point(point, dofs).err(),
+                PathEvent::Critical(point) => self.write_critical_point(point, dofs).err(),
             };
         }
     }
 
-    fn point(&mut self, point: &PathPoint, dofs: &DofMap) -> Result<()> {
+    fn write_point(&mut self, point: &PathPoint, dofs: &DofMap) -> Result<()> {
         let displacement = dofs.full(&point.displacement);
         let pressures = self.pressures_at(point.load_factor);
         let stability = Some((point.negative_eigenvalues, point.eigenvalue));
         let solved = Solved { at: point.load_factor, displacement: &displacement, pressures: &pressures, stability };
         let Simulation { case, body, written, console, .. } = &mut self.simulation;
-        written.table.row(body, &self.solver, &solved)?;
+        written.table.write_row(body, &self.solver, &solved)?;
         let every = case.output.vtu_every.unwrap_or(1);
         self.points += 1;
         self.iterations += point.iterations;
         if every > 0 && self.points.is_multiple_of(every) {
             let frame =
                 Frame { displacement: &displacement, velocity: None, mode: None, properties: self.solver.properties() };
-            written.frames.write(&written.frames.next_name(), point.load_factor, body, &frame)?;
+            written.frames.write_frame(&written.frames.next_name(), point.load_factor, body, &frame)?;
         }
-        console.line(&said(point));
+        console.print_line(&point_line(point));
         Ok(())
     }
 
-    fn critical(&mut self, point: &CriticalPoint, dofs: &DofMap) -> Result<()> {
+    fn write_critical_point(&mut self, point: &CriticalPoint, dofs: &DofMap) -> Result<()> {
         let (displacement, mode) = (dofs.full(&point.displacement), dofs.full(&point.mode));
         let name = format!("critical_{:04}.vtu", self.critical.len());
         let properties = self.solver.properties();
         let frame = Frame { displacement: &displacement, velocity: None, mode: Some(&mode), properties };
         let Simulation { body, written, .. } = &mut self.simulation;
-        written.frames.write(&name, point.load_factor, body, &frame)?;
+        written.frames.write_frame(&name, point.load_factor, body, &frame)?;
         let node = dofs.largest_node(&point.mode);
-        let at = |list: &[f64]| [0, 1, 2].map(|axis| list[3 * node + axis]);
+        let vector_at_node = |list: &[f64]| [0, 1, 2].map(|axis| list[3 * node + axis]);
         let pressures = self.pressures_at(point.load_factor);
         let body = self.simulation.body;
-        let found = Critical {
+        let critical_point = Critical {
             kind: if point.kind == CriticalKind::LimitPoint { "limit_point" } else { "bifurcation" },
             level: point.load_factor,
             pressures_pa: body.numbers.iter().map(|&number| pressures[number]).collect(),
             place_m: body.solid.nodes()[node],
-            displacement_m: at(&displacement),
-            direction: scale(at(&mode), 1.0 / norm(at(&mode))),
+            displacement_m: vector_at_node(&displacement),
+            direction: scale(vector_at_node(&mode), 1.0 / norm(vector_at_node(&mode))),
             multiplicity: point.multiplicity,
             load_along_mode: point.load_along_mode,
             negative_eigenvalues: point.negative_eigenvalues,
             frame: name,
         };
-        self.simulation.console.line(&found.to_string());
-        self.critical.push(found);
+        self.simulation.console.print_line(&critical_point.to_string());
+        self.critical.push(critical_point);
         self.write_critical()
     }
 
@@ -263,16 +264,16 @@ impl PathReport<'_> {
         self.pressures.iter().map(|pressure| level * pressure).collect()
     }
 
-    fn file(&self) -> PathBuf {
+    fn critical_file(&self) -> PathBuf {
         self.simulation.written.frames.beside(&format!("{}_critical.json", self.simulation.console.stem()))
     }
 
     fn write_critical(&self) -> Result<()> {
         let text = serde_json::to_string_pretty(&self.critical)? + "\n";
-        std::fs::write(self.file(), text).map_err(|e| cannot_write(&self.file(), &e))
+        std::fs::write(self.critical_file(), text).map_err(|e| cannot_write(&self.critical_file(), &e))
     }
 
-    fn finished(self, followed: Result<()>) -> Result<Summary> {
+    fn finish_path(self, followed: Result<()>) -> Result<Summary> {
         if let Some(failed) = self.failed {
             return Err(failed);
         }
@@ -282,7 +283,7 @@ impl PathReport<'_> {
     }
 }
 
-fn said(point: &PathPoint) -> String {
+fn point_line(point: &PathPoint) -> String {
     let PathPoint { load_factor, negative_eigenvalues, eigenvalue, iterations, .. } = point;
     let stability = match negative_eigenvalues {
         0 => "stable".to_owned(),

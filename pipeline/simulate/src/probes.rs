@@ -34,7 +34,7 @@ pub fn probes(case: &Case, body: &Body) -> Result<Vec<Probe>> {
     let reach = Reach { solid: body.solid, size: body.system.mesh().size() };
     let mut probes = Vec::new();
     for node in &case.output.node {
-        let weights = vec![(reach.nearest(&format!("`{}`", node.name), node.near)?, 1.0)];
+        let weights = vec![(reach.nearest_node(&format!("`{}`", node.name), node.near)?, 1.0)];
         probes.push(Probe { name: node.name.clone(), weights });
     }
     for marker in &case.output.marker {
@@ -46,11 +46,11 @@ pub fn probes(case: &Case, body: &Body) -> Result<Vec<Probe>> {
 }
 
 impl Probe {
-    /// The sum over its nodes of what `of` says of each.
-    fn sum(&self, of: impl Fn(usize) -> Point3) -> Point3 {
+    /// The sum over its nodes of what `value_of_node` says of each.
+    fn weighted_sum(&self, value_of_node: impl Fn(usize) -> Point3) -> Point3 {
         let add = |sum: Point3, (node, w): &(u32, f64)| {
-            let at = of(*node as usize);
-            [0, 1, 2].map(|k| sum[k] + w * at[k])
+            let value = value_of_node(*node as usize);
+            [0, 1, 2].map(|k| sum[k] + w * value[k])
         };
         self.weights.iter().fold([0.0; 3], add)
     }
@@ -96,7 +96,7 @@ impl Table {
         let path = folder.join(format!("{stem}.csv"));
         let file = File::create(&path).map_err(|e| cannot_write(&path, &e))?;
         let mut table = Self { file, path, probes };
-        table.line(&head.join(","))?;
+        table.write_line(&head.join(","))?;
         Ok(table)
     }
 
@@ -104,15 +104,16 @@ impl Table {
     ///
     /// # Errors
     /// A [`Diagnostic`] when the file cannot be written.
-    pub fn row(&mut self, body: &Body, solver: &Solver, solved: &Solved) -> Result<()> {
+    pub fn write_row(&mut self, body: &Body, solver: &Solver, solved: &Solved) -> Result<()> {
         let Solved { at, displacement, pressures, stability } = *solved;
         let nodes = body.solid.nodes();
-        let moved = |node: usize| [0, 1, 2].map(|k| displacement[3 * node + k]);
+        let node_displacement = |node: usize| [0, 1, 2].map(|k| displacement[3 * node + k]);
         let mut row = vec![at];
         for probe in &self.probes {
-            let (rest, moved) = (probe.sum(|node| nodes[node]), probe.sum(moved));
-            row.extend([0, 1, 2].map(|k| rest[k] + moved[k]));
-            row.extend(moved);
+            let (position, node_displacement) =
+                (probe.weighted_sum(|node| nodes[node]), probe.weighted_sum(node_displacement));
+            row.extend([0, 1, 2].map(|k| position[k] + node_displacement[k]));
+            row.extend(node_displacement);
         }
         for &number in &body.numbers {
             let halves = if body.cavities[number].cut { 2.0 } else { 1.0 };
@@ -121,10 +122,10 @@ impl Table {
         }
         row.extend(stability.into_iter().flat_map(|(negative, nearest)| [negative as f64, nearest]));
         let words: Vec<String> = row.iter().map(|value| format!("{value:.9e}")).collect();
-        self.line(&words.join(","))
+        self.write_line(&words.join(","))
     }
 
-    fn line(&mut self, text: &str) -> Result<()> {
+    fn write_line(&mut self, text: &str) -> Result<()> {
         writeln!(self.file, "{text}").map_err(|e| cannot_write(&self.path, &e))
     }
 }

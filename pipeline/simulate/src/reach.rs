@@ -25,11 +25,11 @@ impl Reach<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`] when the point is off the body.
-    pub fn nearest(&self, name: &str, at: Point3) -> Result<u32> {
-        let apart = |node: &Point3| norm(sub(*node, at));
+    pub fn nearest_node(&self, name: &str, point: Point3) -> Result<u32> {
+        let distance_to = |node: &Point3| norm(sub(*node, point));
         let nodes = self.solid.nodes().iter().enumerate();
-        let node = nodes.min_by(|a, b| apart(a.1).total_cmp(&apart(b.1))).map_or(0, |(node, _)| node);
-        self.on_body(name, apart(&self.solid.nodes()[node])).map(|()| node as u32)
+        let node = nodes.min_by(|a, b| distance_to(a.1).total_cmp(&distance_to(b.1))).map_or(0, |(node, _)| node);
+        self.on_body(name, distance_to(&self.solid.nodes()[node])).map(|()| node as u32)
     }
 
     /// # Errors
@@ -40,18 +40,22 @@ impl Reach<'_> {
         }
         Err(Diagnostic::new(
             format!("{name} is {:.3} mm off the body", 1e3 * apart),
-            format!("the limit is {:.3} mm, a twentieth of the body's size; {}", 1e3 * OFF * self.size, self.extent()),
+            format!(
+                "the limit is {:.3} mm, a twentieth of the body's size; {}",
+                1e3 * OFF * self.size,
+                self.extent_text()
+            ),
             "correct its place: metres, in the frame of the mesh",
         ))
     }
 
-    pub fn holds(&self, place: &Place, node: u32) -> bool {
+    pub fn holds_node(&self, place: &Place, node: u32) -> bool {
         place.holds(self.solid.nodes()[node as usize], self.size)
     }
 
     /// The nodes in a place.
-    pub(crate) fn nodes(&self, place: &Place) -> Vec<u32> {
-        (0..self.solid.nodes().len() as u32).filter(|&node| self.holds(place, node)).collect()
+    pub(crate) fn nodes_in(&self, place: &Place) -> Vec<u32> {
+        (0..self.solid.nodes().len() as u32).filter(|&node| self.holds_node(place, node)).collect()
     }
 
     /// The nodes of one of the mesh file's surfaces, by its name or tag.
@@ -64,20 +68,20 @@ impl Reach<'_> {
     }
 
     /// Faces of the outer skin whose corners all lie in a place.
-    pub fn faces(&self, place: &Place) -> Vec<Vec<u32>> {
-        let within = |nodes: &[u32]| nodes[..3].iter().all(|&node| self.holds(place, node));
+    pub fn faces_in(&self, place: &Place) -> Vec<Vec<u32>> {
+        let within = |nodes: &[u32]| nodes[..3].iter().all(|&node| self.holds_node(place, node));
         let faces = self.solid.faces().into_iter().filter(|(nodes, on)| *on == Skin::Outer && within(nodes));
         faces.map(|(nodes, _)| nodes.to_vec()).collect()
     }
 
     /// Edges of the outer skin whose ends both lie in a place: two ends, and the middle node if there is one.
-    pub fn edges(&self, place: &Place) -> Vec<Vec<u32>> {
+    pub fn edges_in(&self, place: &Place) -> Vec<Vec<u32>> {
         let mut edges = BTreeMap::new();
         for (nodes, _) in self.solid.faces().into_iter().filter(|face| face.1 == Skin::Outer) {
             let corners = if nodes.len() == 8 { 4 } else { 3 };
             for (side, (a, b)) in (0..corners).map(|n| (n, (n + 1) % corners)).enumerate() {
                 let (low, high) = (nodes[a].min(nodes[b]), nodes[a].max(nodes[b]));
-                if self.holds(place, low) && self.holds(place, high) {
+                if self.holds_node(place, low) && self.holds_node(place, high) {
                     edges.insert((low, high), nodes.get(corners + side).copied());
                 }
             }
@@ -89,9 +93,9 @@ impl Reach<'_> {
     }
 
     /// The box around all nodes in words, for messages.
-    pub(crate) fn extent(&self) -> String {
+    pub(crate) fn extent_text(&self) -> String {
         let axis = |k: usize| {
-            let places = self.solid.nodes().iter().map(|at| at[k]);
+            let places = self.solid.nodes().iter().map(|node| node[k]);
             let (low, high) = (places.clone().fold(f64::INFINITY, f64::min), places.fold(f64::NEG_INFINITY, f64::max));
             format!("{} from {low:.6} to {high:.6}", ["x", "y", "z"][k])
         };

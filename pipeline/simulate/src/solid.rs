@@ -65,21 +65,22 @@ pub fn tables(case: &Case, folder: &Path) -> Result<BTreeMap<usize, ForceTable>>
     let mut tables = BTreeMap::new();
     for (number, load) in case.load.iter().enumerate() {
         if let Some(table) = &load.table {
-            tables.insert(number, force_table::read(&folder.join(table))?);
+            tables.insert(number, force_table::read_table(&folder.join(table))?);
         }
     }
     Ok(tables)
 }
 
 fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
-    let found = raw_mesh(path)?.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
+    let checked_mesh =
+        raw_mesh(path)?.check(mesh.unit.metres(), mesh.half).map_err(|error| in_named_file(path, error))?;
     Ok(Loaded {
-        solid: found.solid,
-        regions: found.regions,
-        surfaces: found.surfaces,
-        cavities: found.cavities,
-        numbering: found.numbering,
-        notes: found.notes,
+        solid: checked_mesh.solid,
+        regions: checked_mesh.regions,
+        surfaces: checked_mesh.surfaces,
+        cavities: checked_mesh.cavities,
+        numbering: checked_mesh.numbering,
+        notes: checked_mesh.notes,
         tables: BTreeMap::new(),
     })
 }
@@ -89,8 +90,8 @@ fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
 /// # Errors
 /// As [`load`].
 pub fn raw_mesh(path: &Path) -> Result<RawMesh> {
-    let nodes = foreign::nodes_of(path).map(|nodes| bytes(&nodes)).transpose()?;
-    foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))
+    let nodes = foreign::nodes_of(path).map(|nodes| mesh_bytes(&nodes)).transpose()?;
+    foreign::read(path, &mesh_bytes(path)?, nodes.as_deref()).map_err(|error| in_named_file(path, error))
 }
 
 /// The surface in an STL file whose numbers have a unit.
@@ -98,7 +99,7 @@ pub fn raw_mesh(path: &Path) -> Result<RawMesh> {
 /// # Errors
 /// A [`Diagnostic`] that names the file.
 pub fn read_surface(path: &Path, unit: Unit) -> Result<Surface> {
-    mesh::stl::read(&bytes(path)?, unit.metres()).map_err(|error| named(path, error))
+    mesh::stl::read(&mesh_bytes(path)?, unit.metres()).map_err(|error| in_named_file(path, error))
 }
 
 fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
@@ -145,18 +146,18 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     Ok(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables: BTreeMap::new() })
 }
 
-fn bytes(path: &Path) -> Result<Vec<u8>> {
+fn mesh_bytes(path: &Path) -> Result<Vec<u8>> {
     input::read(path, input::MESH).map_err(|e| {
-        let what = format!("{} cannot be read", path.display());
+        let message = format!("{} cannot be read", path.display());
         Diagnostic::new(
-            what,
+            message,
             e.to_string().to_lowercase(),
             "name a file that lies beside the case, or below its folder",
         )
     })
 }
 
-fn named(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Diagnostic {
+fn in_named_file(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Diagnostic {
     let path: PathBuf = path.components().collect();
     Diagnostic::from(error).in_file(&path)
 }

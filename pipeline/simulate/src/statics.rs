@@ -67,8 +67,9 @@ impl Levels {
         pressures: &[Pascal],
     ) -> std::result::Result<Equilibrium, Box<LostLevel>> {
         self.watch.restart();
-        let near = self.before.as_ref().map(|before| &before.displacement).or(self.guess.as_ref()).map(Vec::as_slice);
-        match solver.equilibrium(pressures, near, &self.settings) {
+        let start_shape =
+            self.before.as_ref().map(|before| &before.displacement).or(self.guess.as_ref()).map(Vec::as_slice);
+        match solver.equilibrium(pressures, start_shape, &self.settings) {
             Ok(found) => {
                 let (displacement, pressures) = (found.displacement.clone(), pressures.to_vec());
                 self.before = Some(Converged { level, displacement, pressures });
@@ -117,7 +118,7 @@ impl Static {
 ///
 /// # Errors
 /// A [`Diagnostic`] that names the level; the levels before it, and the last converged state, are then written.
-pub(super) fn solve(set: &Static, mut simulation: Simulation) -> Result<Summary> {
+pub(super) fn solve_levels(set: &Static, mut simulation: Simulation) -> Result<Summary> {
     let Simulation { case, body, console, budget, ref watch, .. } = simulation;
     let watch = watch.clone();
     let mut solver = body.solver(case)?;
@@ -128,29 +129,36 @@ pub(super) fn solve(set: &Static, mut simulation: Simulation) -> Result<Summary>
     for (number, &level) in set.levels.iter().enumerate() {
         solver.set_forces(&loads.forces_at_level(level))?;
         let pressures = loads.pressures_at_level(level);
-        let found = levels.solve(&mut solver, level, &pressures);
-        let found = found.map_err(|lost| simulation.keep_last(&solver, *lost))?;
-        iterations += found.iterations;
-        let solved = Solved { at: level, displacement: &found.displacement, pressures: &pressures, stability: None };
-        simulation.written.table.row(body, &solver, &solved)?;
+        let equilibrium = levels.solve(&mut solver, level, &pressures);
+        let equilibrium = equilibrium.map_err(|lost| simulation.keep_last(&solver, *lost))?;
+        iterations += equilibrium.iterations;
+        let solved =
+            Solved { at: level, displacement: &equilibrium.displacement, pressures: &pressures, stability: None };
+        simulation.written.table.write_row(body, &solver, &solved)?;
         if frame_every > 0 && (number + 1) % frame_every == 0 {
             let name = simulation.written.frames.next_name();
-            simulation.written.frames.write(&name, level, body, &frame(&found.displacement, &solver))?;
+            simulation.written.frames.write_frame(
+                &name,
+                level,
+                body,
+                &level_frame(&equilibrium.displacement, &solver),
+            )?;
         }
-        console.line(&said(level, &found));
+        console.print_line(&level_line(level, &equilibrium));
     }
     Ok(Summary { dofs: 0, solved: set.levels.len(), iterations: Some(iterations), folder: Default::default() })
 }
 
-fn frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
+fn level_frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
     Frame { displacement, velocity: None, mode: None, properties: solver.properties() }
 }
 
-fn said(level: f64, found: &Equilibrium) -> String {
-    let moved = found.displacement.chunks_exact(3).map(|u| u[0].hypot(u[1]).hypot(u[2])).fold(0.0, f64::max);
-    let Equilibrium { iterations, residual, .. } = found;
+fn level_line(level: f64, equilibrium: &Equilibrium) -> String {
+    let largest_displacement =
+        equilibrium.displacement.chunks_exact(3).map(|u| u[0].hypot(u[1]).hypot(u[2])).fold(0.0, f64::max);
+    let Equilibrium { iterations, residual, .. } = equilibrium;
     // An iterate without stability is none of the body's equilibria: whether those lost theirs only a path along them can say.
-    let unstable = match found.snap_through.last() {
+    let unstable = match equilibrium.snap_through.last() {
         Some(part) => {
             let reached = 100.0 * part;
             format!(
@@ -161,7 +169,7 @@ fn said(level: f64, found: &Equilibrium) -> String {
     };
     format!(
         "level {level}: moved {:.4} mm at most, {iterations} iterations, residual {residual:.1e}{unstable}",
-        1e3 * moved
+        1e3 * largest_displacement
     )
 }
 
@@ -171,7 +179,8 @@ impl Simulation<'_> {
         let last = lost.last.clone();
         let diagnostic = lost.diagnostic();
         let Some(Converged { level: at, displacement, .. }) = last else { return diagnostic };
-        match self.written.frames.write("last_converged.vtu", at, self.body, &frame(&displacement, solver)) {
+        match self.written.frames.write_frame("last_converged.vtu", at, self.body, &level_frame(&displacement, solver))
+        {
             Ok(path) => diagnostic.noting(format!("last converged state: {}, at level {at:.6}", path.display())),
             Err(unwritten) => diagnostic.noting(format!("its last converged state cannot be kept: {}", unwritten.what)),
         }

@@ -17,12 +17,12 @@ pub(super) struct Stress {
 }
 
 /// By element, at `displacement` (3 a node, m).
-pub(super) fn stress(solid: &Solid, displacement: &[f64], properties: &[RegionProperties]) -> Vec<Stress> {
-    (0..solid.len()).map(|element| one(solid, element, displacement, properties)).collect()
+pub(super) fn element_stresses(solid: &Solid, displacement: &[f64], properties: &[RegionProperties]) -> Vec<Stress> {
+    (0..solid.len()).map(|element| element_stress(solid, element, displacement, properties)).collect()
 }
 
 #[allow(non_snake_case)]
-fn one(solid: &Solid, element: usize, displacement: &[f64], properties: &[RegionProperties]) -> Stress {
+fn element_stress(solid: &Solid, element: usize, displacement: &[f64], properties: &[RegionProperties]) -> Stress {
     let region = &properties[usize::from(solid.regions()[element])];
     let moduli = region.moduli();
     let F = deformation_gradient(solid, element, displacement);
@@ -36,7 +36,7 @@ fn one(solid: &Solid, element: usize, displacement: &[f64], properties: &[Region
 fn deformation_gradient(solid: &Solid, element: usize, displacement: &[f64]) -> Matrix3<f64> {
     let (mut rest, mut moved) = (Matrix3::zeros(), Matrix3::zeros());
     let nodes = solid.element(element);
-    for (&node, slope) in nodes.iter().zip(slopes(nodes)) {
+    for (&node, slope) in nodes.iter().zip(shape_slopes(nodes)) {
         let node = node as usize;
         rest += Vector3::from(solid.nodes()[node]) * slope.transpose();
         moved += Vector3::from_column_slice(&displacement[3 * node..3 * node + 3]) * slope.transpose();
@@ -46,7 +46,7 @@ fn deformation_gradient(solid: &Solid, element: usize, displacement: &[f64]) -> 
 }
 
 /// ∂N/∂ξ of each of the 4, 10 or 20 nodes of an element at the centroid of its reference element.
-fn slopes(nodes: &[u32]) -> Vec<Vector3<f64>> {
+fn shape_slopes(nodes: &[u32]) -> Vec<Vector3<f64>> {
     match nodes.len() {
         20 if nodes[2] == nodes[3] => slopes_of_wedge(),
         20 => slopes_of_hexahedron(),
@@ -56,11 +56,12 @@ fn slopes(nodes: &[u32]) -> Vec<Vector3<f64>> {
 
 /// Where every share is ¼, corners add nothing to a tetrahedron of ten nodes.
 fn slopes_of_tetrahedron(nodes: usize) -> Vec<Vector3<f64>> {
-    let by = [Vector3::repeat(-1.0), Vector3::x(), Vector3::y(), Vector3::z()];
+    let barycentric_slopes = [Vector3::repeat(-1.0), Vector3::x(), Vector3::y(), Vector3::z()];
     if nodes == 4 {
-        return by.to_vec();
+        return barycentric_slopes.to_vec();
     }
-    let middles = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]].map(|[a, b]| by[a] + by[b]);
+    let middles =
+        [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]].map(|[a, b]| barycentric_slopes[a] + barycentric_slopes[b]);
     [Vector3::zeros(); 4].into_iter().chain(middles).collect()
 }
 
@@ -78,16 +79,17 @@ fn slopes_of_hexahedron() -> Vec<Vector3<f64>> {
 
 /// At a wedge's centroid; zero at the nodes that it names again.
 fn slopes_of_wedge() -> Vec<Vector3<f64>> {
-    let by = [Vector3::new(-1.0, -1.0, 0.0), Vector3::x(), Vector3::y()];
+    let barycentric_slopes = [Vector3::new(-1.0, -1.0, 0.0), Vector3::x(), Vector3::y()];
     let mut slopes = vec![Vector3::zeros(); 20];
     for (end, side) in [(0, -1.0), (1, 1.0)] {
         for n in 0..3 {
             let next = (n + 1) % 3;
-            slopes[4 * end + n] = -by[n] / 3.0 - Vector3::z() * (side / 9.0);
-            slopes[8 + 4 * end + [0, 1, 3][n]] = (by[n] + by[next]) * (2.0 / 3.0) + Vector3::z() * (4.0 * side / 9.0);
+            slopes[4 * end + n] = -barycentric_slopes[n] / 3.0 - Vector3::z() * (side / 9.0);
+            slopes[8 + 4 * end + [0, 1, 3][n]] =
+                (barycentric_slopes[n] + barycentric_slopes[next]) * (2.0 / 3.0) + Vector3::z() * (4.0 * side / 9.0);
         }
     }
-    (0..3).for_each(|n| slopes[16 + n] = by[n]);
+    (0..3).for_each(|n| slopes[16 + n] = barycentric_slopes[n]);
     slopes
 }
 

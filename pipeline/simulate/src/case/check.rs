@@ -16,91 +16,92 @@ const PRESSURE: f64 = 1e8;
 const FAR: f64 = 10.0;
 
 /// Checks all entries of a case.
-pub(super) fn case(case: &Case) -> Checked {
-    vector("gravity", &case.gravity, 1e3, "m/s²")?;
-    source(&case.mesh)?;
+pub(super) fn check_case(case: &Case) -> Checked {
+    check_vector("gravity", &case.gravity, 1e3, "m/s²")?;
+    check_source(&case.mesh)?;
     let upright = !case.mesh.half || case.gravity[2] == 0.0;
-    only("gravity", upright, "gravity on a half model has no part along z: that would break the symmetry")?;
-    each("region", &case.region, region)?;
+    require("gravity", upright, "gravity on a half model has no part along z: that would break the symmetry")?;
+    check_each("region", &case.region, check_region)?;
     for (i, clamp) in case.clamp.iter().enumerate() {
-        held(&format!("clamp.{i}"), clamp)?;
-        only(&format!("clamp.{i}.hold"), !clamp.hold.is_empty(), "a clamp holds along at least one axis")?;
+        check_clamp(&format!("clamp.{i}"), clamp)?;
+        require(&format!("clamp.{i}.hold"), !clamp.hold.is_empty(), "a clamp holds along at least one axis")?;
     }
-    each("chamber", &case.chamber, chamber)?;
-    each("load", &case.load, load)?;
-    each("mass", &case.mass, mass)?;
-    only("static", case.statics.is_some() != case.dynamic.is_some(), "a case has either [static] or [dynamic]")?;
-    case.statics.as_ref().map_or(Ok(()), statics)?;
+    check_each("chamber", &case.chamber, check_chamber)?;
+    check_each("load", &case.load, check_load)?;
+    check_each("mass", &case.mass, check_mass)?;
+    require("static", case.statics.is_some() != case.dynamic.is_some(), "a case has either [static] or [dynamic]")?;
+    case.statics.as_ref().map_or(Ok(()), check_statics)?;
     case.statics.as_ref().map_or(Ok(()), |set| set.arc_length.map_or(Ok(()), |path| arc_length(case, set, path)))?;
-    case.dynamic.as_ref().map_or(Ok(()), dynamic)?;
-    output(&case.output)?;
-    names(case)
+    case.dynamic.as_ref().map_or(Ok(()), check_dynamic)?;
+    check_output(&case.output)?;
+    check_names(case)
 }
 
-fn each<T>(table: &str, list: &[T], check: impl Fn(&str, &T) -> Checked) -> Checked {
+fn check_each<T>(table: &str, list: &[T], check: impl Fn(&str, &T) -> Checked) -> Checked {
     list.iter().enumerate().try_for_each(|(i, one)| check(&format!("{table}.{i}"), one))
 }
 
-fn source(mesh: &Source) -> Checked {
+fn check_source(mesh: &Source) -> Checked {
     let surfaces = [mesh.body.is_some(), mesh.edge.is_some()];
     let either = surfaces == [mesh.file.is_none(); 2] && (mesh.file.is_none() || mesh.spine.is_none());
-    only("mesh", either, "[mesh] has file alone, or body and edge together, and spine where there is one")?;
+    require("mesh", either, "[mesh] has file alone, or body and edge together, and spine where there is one")?;
     mesh.edge.map_or(Ok(()), |edge| within("mesh.edge", edge, 1e-5..=1.0, "m"))
 }
 
-fn region(key: &str, region: &Region) -> Checked {
+fn check_region(key: &str, region: &Region) -> Checked {
     within(&format!("{key}.youngs_modulus"), region.youngs_modulus, 1e2..=1e12, "Pa")?;
-    let what = "one below 0.5: incompressible solids are simulated with 0.49 to 0.499 and mean_dilatation = true";
-    only(&format!("{key}.poissons_ratio"), region.poissons_ratio < 0.5, what)?;
+    let rule = "one below 0.5: incompressible solids are simulated with 0.49 to 0.499 and mean_dilatation = true";
+    require(&format!("{key}.poissons_ratio"), region.poissons_ratio < 0.5, rule)?;
     within(&format!("{key}.poissons_ratio"), region.poissons_ratio, -0.99..=0.4999, "")?;
     within(&format!("{key}.density"), region.density, 1.0..=3e4, "kg/m³")?;
     region.stiffening.iter().try_for_each(|ratio| within(&format!("{key}.stiffening"), *ratio, -10.0..=100.0, ""))?;
-    relaxation(key, region)?;
-    only(key, region.name.is_none() || region.tag.is_none(), "a region is named by name or by tag, not by both")
+    check_relaxation(key, region)?;
+    require(key, region.name.is_none() || region.tag.is_none(), "a region is named by name or by tag, not by both")
 }
 
-fn relaxation(key: &str, region: &Region) -> Checked {
-    let one = region.branch.is_empty() || region.springpot.is_none();
-    only(key, one, "a region relaxes by branches or by a springpot, not by both")?;
-    only(&format!("{key}.branch"), region.branch.len() <= fem::MAX_BRANCHES, "a region has at most 16 branches")?;
+fn check_relaxation(key: &str, region: &Region) -> Checked {
+    let is_single = region.branch.is_empty() || region.springpot.is_none();
+    require(key, is_single, "a region relaxes by branches or by a springpot, not by both")?;
+    require(&format!("{key}.branch"), region.branch.len() <= fem::MAX_BRANCHES, "a region has at most 16 branches")?;
     for (i, branch) in region.branch.iter().enumerate() {
         within(&format!("{key}.branch.{i}.strength"), branch.strength, 0.0..=1e3, "of the long-term modulus")?;
         within(&format!("{key}.branch.{i}.time"), branch.time, 1e-9..=1e9, "s")?;
     }
-    if let Some(of) = region.springpot {
-        within(&format!("{key}.springpot.strength"), of.strength, 0.0..=1e3, "of the long-term modulus")?;
-        within(&format!("{key}.springpot.exponent"), of.exponent, 1e-3..=0.999, "")?;
-        let rising = of.decades[0] <= of.decades[1] && of.decades.iter().all(|decade| (-9..=9).contains(decade));
-        only(&format!("{key}.springpot.decades"), rising, "two powers of ten that rise, between -9 and 9")?;
+    if let Some(springpot) = region.springpot {
+        within(&format!("{key}.springpot.strength"), springpot.strength, 0.0..=1e3, "of the long-term modulus")?;
+        within(&format!("{key}.springpot.exponent"), springpot.exponent, 1e-3..=0.999, "")?;
+        let rising = springpot.decades[0] <= springpot.decades[1]
+            && springpot.decades.iter().all(|decade| (-9..=9).contains(decade));
+        require(&format!("{key}.springpot.decades"), rising, "two powers of ten that rise, between -9 and 9")?;
     }
     region.modulus_time.map_or(Ok(()), |time| within(&format!("{key}.modulus_time"), time, 0.0..=1e9, "s"))
 }
 
 /// A clamp holds the nodes of a place, or of a surface of the mesh file.
-fn held(key: &str, clamp: &Clamp) -> Checked {
+fn check_clamp(key: &str, clamp: &Clamp) -> Checked {
     if clamp.surface.is_none() {
-        return place(key, Place::of(clamp.plane, clamp.block));
+        return check_place(key, Place::of(clamp.plane, clamp.block));
     }
-    only(key, clamp.plane.is_none() && clamp.block.is_none(), "it has one of plane, box and surface")
+    require(key, clamp.plane.is_none() && clamp.block.is_none(), "it has one of plane, box and surface")
 }
 
-fn place(key: &str, place: Option<Place>) -> Checked {
+fn check_place(key: &str, place: Option<Place>) -> Checked {
     match place {
-        None => only(key, false, "it has either plane = { x = 0.0 } (or y, or z) or box = { low = …, high = … }"),
-        Some(Place::Plane(_, at)) => within(&format!("{key}.plane"), at, -FAR..=FAR, "m"),
+        None => require(key, false, "it has either plane = { x = 0.0 } (or y, or z) or box = { low = …, high = … }"),
+        Some(Place::Plane(_, offset)) => within(&format!("{key}.plane"), offset, -FAR..=FAR, "m"),
         Some(Place::Block(block)) => {
-            vector(&format!("{key}.box.low"), &block.low, FAR, "m")?;
-            vector(&format!("{key}.box.high"), &block.high, FAR, "m")?;
+            check_vector(&format!("{key}.box.low"), &block.low, FAR, "m")?;
+            check_vector(&format!("{key}.box.high"), &block.high, FAR, "m")?;
             let ordered = (0..3).all(|k| block.low[k] <= block.high[k]);
-            only(&format!("{key}.box"), ordered, "low is not above high on any axis")
+            require(&format!("{key}.box"), ordered, "low is not above high on any axis")
         }
     }
 }
 
-fn chamber(key: &str, chamber: &Chamber) -> Checked {
-    let one = chamber.inside.is_some() != chamber.number.is_some();
-    only(key, one, "a chamber is chosen by inside = [x, y, z] or by number")?;
-    chamber.inside.map_or(Ok(()), |at| vector(&format!("{key}.inside"), &at, FAR, "m"))?;
+fn check_chamber(key: &str, chamber: &Chamber) -> Checked {
+    let is_single = chamber.inside.is_some() != chamber.number.is_some();
+    require(key, is_single, "a chamber is chosen by inside = [x, y, z] or by number")?;
+    chamber.inside.map_or(Ok(()), |at| check_vector(&format!("{key}.inside"), &at, FAR, "m"))?;
     chamber.sealed_in.map_or(Ok(()), |at| within(&format!("{key}.sealed_in"), at, 1.0..=PRESSURE, "Pa"))?;
     check_history(&format!("{key}.pressure"), &chamber.pressure)
 }
@@ -114,9 +115,9 @@ pub fn check_history(key: &str, history: &History) -> Checked {
     match history {
         History::Constant(value) => pressure(*value),
         History::Wave(Wave::Table { times, values }) => {
-            only(key, !times.is_empty() && times.len() == values.len(), "a table has as many values as times")?;
+            require(key, !times.is_empty() && times.len() == values.len(), "a table has as many values as times")?;
             let rising = times.windows(2).all(|pair| pair[0] < pair[1]) && times.iter().all(|t| t.is_finite());
-            only(key, rising, "the times of a table rise")?;
+            require(key, rising, "the times of a table rise")?;
             values.iter().try_for_each(|value| pressure(*value))
         }
         History::Wave(Wave::Sine { mean, amplitude, frequency, phase }) => {
@@ -140,35 +141,35 @@ pub fn check_history(key: &str, history: &History) -> Checked {
     }
 }
 
-fn load(key: &str, load: &Load) -> Checked {
+fn check_load(key: &str, load: &Load) -> Checked {
     let [near, inside] = [load.near.is_some(), load.inside.is_some()];
     let places = [near, inside, load.plane.is_some(), load.block.is_some()];
     let whats = [load.force.is_some(), load.line_force.is_some(), load.traction.is_some(), load.pressure.is_some()];
-    let one = |all: &[bool]| all.iter().filter(|given| **given).count() == 1;
+    let has_one = |all: &[bool]| all.iter().filter(|given| **given).count() == 1;
     let fits = match (&load.table, whats) {
         (Some(_), whats) => whats == [false; 4] && places == [false; 4],
-        (None, [true, false, false, false]) => near && one(&places),
-        (None, [false, true, false, false]) => load.block.is_some() && one(&places),
-        (None, [false, false, true, false]) => !near && !inside && one(&places),
-        (None, [false, false, false, true]) => !near && one(&places),
+        (None, [true, false, false, false]) => near && has_one(&places),
+        (None, [false, true, false, false]) => load.block.is_some() && has_one(&places),
+        (None, [false, false, true, false]) => !near && !inside && has_one(&places),
+        (None, [false, false, false, true]) => !near && has_one(&places),
         _ => false,
     };
     let rule = "it has near with force, box with line_force, plane or box with traction, inside, plane or box with pressure, or table";
-    only(key, fits, rule)?;
+    require(key, fits, rule)?;
     for (word, at) in [("near", load.near), ("inside", load.inside)] {
-        at.map_or(Ok(()), |at| vector(&format!("{key}.{word}"), &at, FAR, "m"))?;
+        at.map_or(Ok(()), |at| check_vector(&format!("{key}.{word}"), &at, FAR, "m"))?;
     }
     if load.plane.is_some() || load.block.is_some() {
-        place(key, Place::of(load.plane, load.block))?;
+        check_place(key, Place::of(load.plane, load.block))?;
     }
     if let Some(pressure) = load.pressure {
         within(&format!("{key}.pressure"), pressure, -1e10..=1e10, "Pa")?;
-        only(&format!("{key}.pressure"), pressure != 0.0, "a load is not zero")?;
+        require(&format!("{key}.pressure"), pressure != 0.0, "a load is not zero")?;
     }
-    let check = |word: &str, value: Option<[f64; 3]>, most: f64, unit: &str| match value {
+    let check = |word: &str, value: Option<[f64; 3]>, limit: f64, unit: &str| match value {
         Some(value) => {
-            vector(&format!("{key}.{word}"), &value, most, unit)?;
-            only(&format!("{key}.{word}"), value != [0.0; 3], "a load is not zero")
+            check_vector(&format!("{key}.{word}"), &value, limit, unit)?;
+            require(&format!("{key}.{word}"), value != [0.0; 3], "a load is not zero")
         }
         None => Ok(()),
     };
@@ -177,32 +178,32 @@ fn load(key: &str, load: &Load) -> Checked {
     check("traction", load.traction, 1e10, "Pa")
 }
 
-fn mass(key: &str, mass: &Mass) -> Checked {
+fn check_mass(key: &str, mass: &Mass) -> Checked {
     let spread = mass.plane.is_some() || mass.block.is_some();
     let at_point = mass.near.is_some() && mass.mass.is_some() && !spread && mass.area_density.is_none();
     let on_faces = mass.near.is_none() && mass.mass.is_none() && spread && mass.area_density.is_some();
-    only(key, at_point || mass.hangs.is_none(), "what hangs has near with mass")?;
-    only(key, at_point || on_faces, "it has near with mass, or plane or box with area_density")?;
+    require(key, at_point || mass.hangs.is_none(), "what hangs has near with mass")?;
+    require(key, at_point || on_faces, "it has near with mass, or plane or box with area_density")?;
     mass.near.map_or_else(
-        || place(key, Place::of(mass.plane, mass.block)),
-        |at| vector(&format!("{key}.near"), &at, FAR, "m"),
+        || check_place(key, Place::of(mass.plane, mass.block)),
+        |at| check_vector(&format!("{key}.near"), &at, FAR, "m"),
     )?;
     mass.mass.map_or(Ok(()), |mass| within(&format!("{key}.mass"), mass, 1e-9..=100.0, "kg"))?;
     mass.area_density.map_or(Ok(()), |layer| within(&format!("{key}.area_density"), layer, 1e-6..=1e4, "kg/m²"))
 }
 
-fn statics(set: &Static) -> Checked {
-    only("static.levels", !set.levels.is_empty(), "at least one level is solved")?;
+fn check_statics(set: &Static) -> Checked {
+    require("static.levels", !set.levels.is_empty(), "at least one level is solved")?;
     set.levels.iter().try_for_each(|level| within("static.levels", *level, -1e3..=1e3, ""))?;
     within("static.load_steps", set.load_steps as f64, 1.0..=1e4, "")?;
     within("static.tolerance", set.tolerance, 1e-13..=1e-2, "of the size")?;
-    set.max_cutbacks.map_or(Ok(()), |most| within("static.max_cutbacks", most as f64, 0.0..=1e4, ""))?;
-    budget("static", set.budget())
+    set.max_cutbacks.map_or(Ok(()), |limit| within("static.max_cutbacks", limit as f64, 0.0..=1e4, ""))?;
+    check_budget("static", set.budget())
 }
 
-fn budget(table: &str, budget: Budget) -> Checked {
+fn check_budget(table: &str, budget: Budget) -> Checked {
     let key = |name: &str| format!("{table}.{name}");
-    budget.max_iterations.map_or(Ok(()), |most| within(&key("max_iterations"), most as f64, 1.0..=1e9, ""))?;
+    budget.max_iterations.map_or(Ok(()), |limit| within(&key("max_iterations"), limit as f64, 1.0..=1e9, ""))?;
     budget.timeout.map_or(Ok(()), |limit| within(&key("timeout"), limit, 1e-3..=1e7, "s"))
 }
 
@@ -211,16 +212,16 @@ fn arc_length(case: &Case, set: &Static, path: ArcLength) -> Checked {
     within("static.arc_length.max_step", path.max_step, 1e-6..=0.5, "of the size")?;
     within("static.arc_length.max_steps", path.max_steps as f64, 1.0..=1e5, "steps")?;
     let rising = set.levels[0] > 0.0 && set.levels.windows(2).all(|pair| pair[0] < pair[1]);
-    only("static.levels", rising, "with arc_length the levels rise from above 0: the path ends at the last one")?;
-    each("chamber", &case.chamber, |key, chamber| {
+    require("static.levels", rising, "with arc_length the levels rise from above 0: the path ends at the last one")?;
+    check_each("chamber", &case.chamber, |key, chamber| {
         let plain = matches!(chamber.pressure, History::Constant(_));
-        only(
+        require(
             &format!("{key}.pressure"),
             plain,
             "with arc_length a pressure is a plain number, multiplied by the level",
         )?;
         let fed = chamber.sealed_in.is_none();
-        only(
+        require(
             &format!("{key}.sealed_in"),
             fed,
             "with arc_length chambers are fed: the pressure is what the path follows",
@@ -228,15 +229,15 @@ fn arc_length(case: &Case, set: &Static, path: ArcLength) -> Checked {
     })
 }
 
-fn dynamic(set: &Dynamic) -> Checked {
+fn check_dynamic(set: &Dynamic) -> Checked {
     within("dynamic.duration", set.duration, 1e-9..=1e5, "s")?;
-    let one = set.step.is_some() != set.adaptive.is_some();
-    only("dynamic", one, "[dynamic] has either step or adaptive")?;
+    let has_one = set.step.is_some() != set.adaptive.is_some();
+    require("dynamic", has_one, "[dynamic] has either step or adaptive")?;
     if let Some(step) = set.step {
         within("dynamic.step", step, 1e-9..=set.duration, "s")?;
         let steps = set.duration / step;
-        let whole = (steps - steps.round()).abs() <= 1e-6 * steps;
-        only("dynamic.step", whole, "the duration is a whole number of steps")?;
+        let is_whole = (steps - steps.round()).abs() <= 1e-6 * steps;
+        require("dynamic.step", is_whole, "the duration is a whole number of steps")?;
         within("dynamic.step", steps, 1.0..=1e7, "steps")?;
     }
     if let Some(steps) = set.adaptive {
@@ -244,42 +245,42 @@ fn dynamic(set: &Dynamic) -> Checked {
         within("dynamic.adaptive.shortest", steps.shortest, 1e-9..=set.duration, "s")?;
         within("dynamic.adaptive.longest", steps.longest, steps.shortest..=set.duration, "s")?;
     }
-    budget("dynamic", set.budget())?;
+    check_budget("dynamic", set.budget())?;
     within("dynamic.mass_damping", set.mass_damping, 0.0..=1e6, "1/s")?;
     within("dynamic.stiffness_damping", set.stiffness_damping, 0.0..=1e3, "s")
 }
 
-fn output(output: &Output) -> Checked {
+fn check_output(output: &Output) -> Checked {
     within("output.every", output.every as f64, 1.0..=1e7, "")?;
-    each("output.node", &output.node, |key, node| vector(&format!("{key}.near"), &node.near, FAR, "m"))?;
-    each("output.marker", &output.marker, |key, marker| vector(&format!("{key}.at"), &marker.at, FAR, "m"))
+    check_each("output.node", &output.node, |key, node| check_vector(&format!("{key}.near"), &node.near, FAR, "m"))?;
+    check_each("output.marker", &output.marker, |key, marker| check_vector(&format!("{key}.at"), &marker.at, FAR, "m"))
 }
 
 /// Names head columns: letters, digits and `_`, each once.
-fn names(case: &Case) -> Checked {
+fn check_names(case: &Case) -> Checked {
     let chambers =
         case.chamber.iter().enumerate().filter_map(|(i, c)| Some((format!("chamber.{i}.name"), c.name.as_ref()?)));
     let nodes = case.output.node.iter().enumerate().map(|(i, n)| (format!("output.node.{i}.name"), &n.name));
     let markers = case.output.marker.iter().enumerate().map(|(i, m)| (format!("output.marker.{i}.name"), &m.name));
-    let mut seen = BTreeSet::new();
+    let mut taken = BTreeSet::new();
     for (key, name) in chambers.chain(nodes).chain(markers) {
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        only(&key, plain, "a name heads columns: letters, digits and `_`")?;
-        only(&key, seen.insert(name.clone()), "names must be unique: they head columns")?;
+        require(&key, plain, "a name heads columns: letters, digits and `_`")?;
+        require(&key, taken.insert(name.clone()), "names must be unique: they head columns")?;
     }
     Ok(())
 }
 
-fn vector(key: &str, value: &[f64; 3], most: f64, unit: &str) -> Checked {
-    value.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -most..=most, unit))
+fn check_vector(key: &str, value: &[f64; 3], limit: f64, unit: &str) -> Checked {
+    value.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -limit..=limit, unit))
 }
 
-fn only(key: &str, holds: bool, rule: &str) -> Checked {
+fn require(key: &str, holds: bool, rule: &str) -> Checked {
     if holds {
         return Ok(());
     }
-    let what = format!("`{key}` cannot be followed");
-    violation(key, what, rule, "correct the entry")
+    let message = format!("`{key}` cannot be followed");
+    violation(key, message, rule, "correct the entry")
 }
 
 #[cfg(test)]
@@ -303,7 +304,7 @@ output = { node = [{ name = "tip", near = [0.1, 0.0, 0.0] }], marker = [{ name =
     fn refused(from: &str, to: &str) -> Option<String> {
         assert!(WHOLE.contains(from), "{from}");
         let case: Case = toml::from_str(&WHOLE.replacen(from, to, 1)).unwrap_or_else(|e| panic!("{to}: {e}"));
-        super::case(&case).err().map(|violation| violation.key)
+        super::check_case(&case).err().map(|violation| violation.key)
     }
 
     #[test]

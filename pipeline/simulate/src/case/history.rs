@@ -76,10 +76,10 @@ impl Default for History {
 
 impl History {
     /// The value at `time`, s.
-    pub fn at(&self, time: Second) -> Pascal {
+    pub fn value_at(&self, time: Second) -> Pascal {
         match self {
             Self::Constant(value) => *value,
-            Self::Wave(wave) => wave.at(time),
+            Self::Wave(wave) => wave.value_at(time),
         }
     }
 
@@ -87,15 +87,15 @@ impl History {
     pub(crate) fn at_level(&self, level: f64) -> Pascal {
         match self {
             Self::Constant(value) => level * value,
-            Self::Wave(wave) => wave.at(level),
+            Self::Wave(wave) => wave.value_at(level),
         }
     }
 }
 
 impl Wave {
-    fn at(&self, time: Second) -> Pascal {
+    fn value_at(&self, time: Second) -> Pascal {
         match self {
-            Self::Table { times, values } => between(times, values, time),
+            Self::Table { times, values } => interpolate(times, values, time),
             Self::Sine { mean, amplitude, frequency, phase } => {
                 mean + amplitude * (std::f64::consts::TAU * frequency * time + phase).sin()
             }
@@ -111,8 +111,8 @@ impl Wave {
     }
 }
 
-fn between(times: &[Second], values: &[Pascal], time: Second) -> Pascal {
-    let next = times.partition_point(|known| *known <= time);
+fn interpolate(times: &[Second], values: &[Pascal], time: Second) -> Pascal {
+    let next = times.partition_point(|earlier| *earlier <= time);
     if next == 0 || next == times.len() {
         return values[next.saturating_sub(1)];
     }
@@ -162,19 +162,19 @@ mod tests {
     #[test]
     fn a_number_counts_with_the_level_and_a_course_is_read_at_it() {
         assert_eq!(history("2000").at_level(0.25), 500.0);
-        assert_eq!(history("2e3").at(7.0), 2000.0);
+        assert_eq!(history("2e3").value_at(7.0), 2000.0);
         let table = history("{ table = { times = [0, 1, 3], values = [0, 10, 20] } }");
-        assert_eq!([-1.0, 0.5, 2.0, 9.0].map(|time| table.at(time)), [0.0, 5.0, 15.0, 20.0]);
+        assert_eq!([-1.0, 0.5, 2.0, 9.0].map(|time| table.value_at(time)), [0.0, 5.0, 15.0, 20.0]);
     }
 
     #[test]
     fn waves_take_their_values() {
         let sine = history("{ sine = { mean = 1, amplitude = 2, frequency = 0.5 } }");
-        assert!((sine.at(0.5) - 3.0).abs() < 1e-15);
+        assert!((sine.value_at(0.5) - 3.0).abs() < 1e-15);
         let square = history("{ square = { low = -1, high = 1, frequency = 2 } }");
-        assert_eq!([0.0, 0.2, 0.3, 0.5].map(|time| square.at(time)), [1.0, 1.0, -1.0, 1.0]);
+        assert_eq!([0.0, 0.2, 0.3, 0.5].map(|time| square.value_at(time)), [1.0, 1.0, -1.0, 1.0]);
         let ramp = history("{ ramp = { to = 8, start = 1, seconds = 2 } }");
-        assert_eq!([0.0, 2.0, 5.0].map(|time| ramp.at(time)), [0.0, 4.0, 8.0]);
+        assert_eq!([0.0, 2.0, 5.0].map(|time| ramp.value_at(time)), [0.0, 4.0, 8.0]);
     }
 
     #[test]

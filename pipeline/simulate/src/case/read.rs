@@ -25,5 +25,5 @@ pub fn read(path: &Path) -> Result<Case, Diagnostic> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Case, Diagnostic> {
-    table::parse(text, path, SEE, check::case)
+    table::parse(text, path, SEE, check::check_case)
 }

@@ -50,8 +50,8 @@ pub struct ArcLength {
 
 impl Default for ArcLength {
     fn default() -> Self {
-        let of = continuation::PathSettings::default();
-        Self { branch: BranchRule::AlongMode, max_step: of.max_step, max_steps: of.max_steps }
+        let path_settings = continuation::PathSettings::default();
+        Self { branch: BranchRule::AlongMode, max_step: path_settings.max_step, max_steps: path_settings.max_steps }
     }
 }
 

@@ -42,10 +42,10 @@ impl<'a> Evaluation<'a> {
         let solved = Solved::Motion(Box::<Trajectory>::default());
         let mut evaluation = Self { case, body, solver, steps, solved, loss: Loss::around(&[]) };
         evaluation.solved = match case.dynamic {
-            None => Solved::Rest(Box::new(evaluation.rest(&evaluation.pressures(None), None)?)),
-            Some(_) => Solved::Motion(Box::new(evaluation.motion(None)?)),
+            None => Solved::Rest(Box::new(evaluation.solve_rest(&evaluation.perturbed_pressures(None), None)?)),
+            Some(_) => Solved::Motion(Box::new(evaluation.solve_motion(None)?)),
         };
-        evaluation.loss = Loss::around(&evaluation.shape()?);
+        evaluation.loss = Loss::around(&evaluation.loss_shape()?);
         Ok(evaluation)
     }
 
@@ -61,19 +61,22 @@ impl<'a> Evaluation<'a> {
     /// L with one parameter perturbed by `part` of its step.
     pub(crate) fn loss_at(&mut self, parameter: &CaseParameter, part: f64) -> Result<f64> {
         let value = parameter.value + part * parameter.turn;
-        self.set(parameter.parameter, value)?;
+        self.set_parameter(parameter.parameter, value)?;
         let shape = match &self.solved {
             Solved::Rest(at) => {
                 let start = at.displacement.clone();
-                self.rest(&self.pressures(Some((parameter.parameter, value))), Some(&start)).map(|at| at.displacement)
+                self.solve_rest(&self.perturbed_pressures(Some((parameter.parameter, value))), Some(&start))
+                    .map(|at| at.displacement)
             }
-            Solved::Motion(_) => self.motion(Some((parameter.parameter, value))).and_then(|made| self.last_of(&made)),
+            Solved::Motion(_) => {
+                self.solve_motion(Some((parameter.parameter, value))).and_then(|made| self.last_of(&made))
+            }
         };
-        self.set(parameter.parameter, parameter.value)?;
+        self.set_parameter(parameter.parameter, parameter.value)?;
         Ok(self.loss.value(&shape?))
     }
 
-    fn set(&mut self, parameter: Parameter, value: f64) -> Result<()> {
+    fn set_parameter(&mut self, parameter: Parameter, value: f64) -> Result<()> {
         let body = self.body;
         let is = |region: usize| &body.system.regions()[region];
         match parameter {
@@ -102,12 +105,16 @@ impl<'a> Evaluation<'a> {
     /// Sets one number of a region's relaxation, the others being the case's.
     fn set_relaxation(&mut self, parameter: Parameter, value: f64) -> Result<()> {
         let region = relaxing_region(parameter).unwrap_or_default();
-        let own = &self.body.system.regions()[region].relaxation;
-        let relaxation = match (parameter, own.as_springpot()) {
-            (Parameter::SpringpotStrength(_), Some(of)) => Relaxation::springpot(Springpot { strength: value, ..of }),
-            (Parameter::SpringpotExponent(_), Some(of)) => Relaxation::springpot(Springpot { exponent: value, ..of }),
+        let case_relaxation = &self.body.system.regions()[region].relaxation;
+        let relaxation = match (parameter, case_relaxation.as_springpot()) {
+            (Parameter::SpringpotStrength(_), Some(springpot)) => {
+                Relaxation::springpot(Springpot { strength: value, ..springpot })
+            }
+            (Parameter::SpringpotExponent(_), Some(springpot)) => {
+                Relaxation::springpot(Springpot { exponent: value, ..springpot })
+            }
             _ => {
-                let mut branches = own.branches().to_vec();
+                let mut branches = case_relaxation.branches().to_vec();
                 match parameter {
                     Parameter::RelaxationStrength { branch, .. } => branches[branch].strength = value,
                     Parameter::RelaxationTime { branch, .. } => branches[branch].time = value,
@@ -120,24 +127,24 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Pressures of the last level, with one gain perturbed where requested.
-    fn pressures(&self, turned: Option<(Parameter, f64)>) -> Vec<Pascal> {
+    fn perturbed_pressures(&self, turned: Option<(Parameter, f64)>) -> Vec<Pascal> {
         let level = self.case.statics.as_ref().and_then(|set| set.levels.last().copied()).unwrap_or(1.0);
         let mut pressures = self.body.pressures(self.case, |chamber| chamber.pressure.at_level(level));
-        turn(&mut pressures, turned);
+        perturb_gain(&mut pressures, turned);
         pressures
     }
 
-    fn rest(&mut self, pressures: &[Pascal], start: Option<&[f64]>) -> Result<Equilibrium> {
+    fn solve_rest(&mut self, pressures: &[Pascal], start: Option<&[f64]>) -> Result<Equilibrium> {
         let load_steps = self.case.statics.as_ref().map_or(3, |set| set.load_steps);
         let settings = StaticSettings { tolerance: AT_REST, load_steps, ..StaticSettings::default() };
         self.solver.equilibrium(pressures, start, &settings).map_err(Diagnostic::from)
     }
 
-    fn motion(&mut self, turned: Option<(Parameter, f64)>) -> Result<Trajectory> {
+    fn solve_motion(&mut self, turned: Option<(Parameter, f64)>) -> Result<Trajectory> {
         let Some(set) = &self.case.dynamic else { return Ok(Trajectory::default()) };
-        let value = |parameter: Parameter, own: f64| match turned {
+        let value = |parameter: Parameter, case_value: f64| match turned {
             Some((of, value)) if of == parameter => value,
-            _ => own,
+            _ => case_value,
         };
         let settings = DynamicSettings {
             step: set.step.or(set.adaptive.map(|bounds| bounds.longest)).unwrap_or(DynamicSettings::default().step),
@@ -147,23 +154,27 @@ impl<'a> Evaluation<'a> {
             tolerance: IN_MOTION,
         };
         let beat = |time: Second| {
-            let mut pressures = self.body.pressures(self.case, |chamber| chamber.pressure.at(time));
-            turn(&mut pressures, turned);
+            let mut pressures = self.body.pressures(self.case, |chamber| chamber.pressure.value_at(time));
+            perturb_gain(&mut pressures, turned);
             pressures
         };
-        let rest = State::rest(self.body.solid.nodes().len());
+        let rest_state = State::rest(self.body.solid.nodes().len());
         self.solver
-            .record(&InitialValueProblem { settings: &settings, initial: &rest, pressures: &beat }, self.steps, MEMORY)
+            .record(
+                &InitialValueProblem { settings: &settings, initial: &rest_state, pressures: &beat },
+                self.steps,
+                MEMORY,
+            )
             .map_err(Diagnostic::from)
     }
 
     /// The shape that the loss is taken of.
-    fn shape(&mut self) -> Result<Vec<f64>> {
+    fn loss_shape(&mut self) -> Result<Vec<f64>> {
         match &self.solved {
             Solved::Rest(at) => Ok(at.displacement.clone()),
-            Solved::Motion(made) => {
-                let made = made.clone();
-                self.last_of(&made)
+            Solved::Motion(trajectory) => {
+                let trajectory = trajectory.clone();
+                self.last_of(&trajectory)
             }
         }
     }
@@ -188,7 +199,7 @@ fn relaxing_region(parameter: Parameter) -> Option<usize> {
 }
 
 /// Perturbs the gain of one chamber.
-fn turn(pressures: &mut [Pascal], turned: Option<(Parameter, f64)>) {
+fn perturb_gain(pressures: &mut [Pascal], turned: Option<(Parameter, f64)>) {
     if let Some((Parameter::PressureGain(chamber), gain)) = turned {
         pressures[chamber] *= gain;
     }
@@ -200,31 +211,31 @@ fn rest_derivatives(
     slope: &[f64],
     parameters: &[CaseParameter],
 ) -> Result<Vec<(f64, f64)>> {
-    let by = solver.gradient(at, slope)?;
-    let mut all = Vec::new();
+    let gradient = solver.gradient(at, slope)?;
+    let mut derivatives = Vec::new();
     for parameter in parameters {
         let backward = match parameter.parameter {
-            Parameter::YoungsModulus(region) => by.regions[region].youngs_modulus,
-            Parameter::PoissonsRatio(region) => by.regions[region].poissons_ratio,
-            Parameter::Density(region) => by.regions[region].density,
-            Parameter::Stiffening { region, term } => by.regions[region].stiffening[term],
-            Parameter::PressureGain(chamber) => by.pressures[chamber] * at.pressures[chamber],
-            Parameter::Force { node, axis } => by.forces[3 * node + axis],
+            Parameter::YoungsModulus(region) => gradient.regions[region].youngs_modulus,
+            Parameter::PoissonsRatio(region) => gradient.regions[region].poissons_ratio,
+            Parameter::Density(region) => gradient.regions[region].density,
+            Parameter::Stiffening { region, term } => gradient.regions[region].stiffening[term],
+            Parameter::PressureGain(chamber) => gradient.pressures[chamber] * at.pressures[chamber],
+            Parameter::Force { node, axis } => gradient.forces[3 * node + axis],
             _ => 0.0,
         };
         let change = solver.sensitivity(at, parameter.parameter)?;
-        all.push((backward, dot(&change, slope)));
+        derivatives.push((backward, dot(&change, slope)));
     }
-    Ok(all)
+    Ok(derivatives)
 }
 
 fn motion_derivatives(
     solver: &mut Solver,
-    made: &Trajectory,
+    trajectory: &Trajectory,
     loss: &Loss,
     parameters: &[CaseParameter],
 ) -> Result<Vec<(f64, f64)>> {
-    let last = made.steps();
+    let last = trajectory.steps();
     let mut slope = Vec::new();
     let mut asks = |n: usize, state: &State| {
         if n != last {
@@ -233,7 +244,7 @@ fn motion_derivatives(
         slope = loss.slope(&state.displacement);
         LossGradient { displacement: slope.clone(), velocity: Vec::new() }
     };
-    let by = solver.trajectory_adjoint(made, &mut asks)?;
+    let gradient = solver.trajectory_adjoint(trajectory, &mut asks)?;
     let parameters: Vec<Parameter> = parameters.iter().map(|parameter| parameter.parameter).collect();
     let mut forward = vec![0.0; parameters.len()];
     let mut see = |n: usize, changes: &[&State]| {
@@ -241,9 +252,9 @@ fn motion_derivatives(
             forward.iter_mut().zip(changes).for_each(|(sum, change)| *sum = dot(&change.displacement, &slope));
         }
     };
-    solver.trajectory_sensitivity(made, &parameters, &mut see)?;
+    solver.trajectory_sensitivity(trajectory, &parameters, &mut see)?;
     let regions = solver.properties();
-    let pair = |(parameter, forward): (&Parameter, f64)| (of_motion(&by, regions, *parameter), forward);
+    let pair = |(parameter, forward): (&Parameter, f64)| (of_motion(&gradient, regions, *parameter), forward);
     Ok(parameters.iter().zip(forward).map(pair).collect())
 }
 

@@ -20,18 +20,22 @@ impl Loss {
     /// L, no unit.
     pub fn value(&self, shape: &[f64]) -> f64 {
         let n = shape.len() as f64;
-        shape.iter().enumerate().map(|(i, u)| weight(i, n) * u / self.size + 0.5 * (u / self.size).powi(2) / n).sum()
+        shape
+            .iter()
+            .enumerate()
+            .map(|(i, u)| node_weight(i, n) * u / self.size + 0.5 * (u / self.size).powi(2) / n)
+            .sum()
     }
 
     /// ∂L/∂u, 1/m.
     pub fn slope(&self, shape: &[f64]) -> Vec<f64> {
         let n = shape.len() as f64;
-        let of = |(i, u): (usize, &f64)| (weight(i, n) + u / self.size / n) / self.size;
-        shape.iter().enumerate().map(of).collect()
+        let slope_of_entry = |(i, u): (usize, &f64)| (node_weight(i, n) + u / self.size / n) / self.size;
+        shape.iter().enumerate().map(slope_of_entry).collect()
     }
 }
 
-fn weight(i: usize, n: f64) -> f64 {
+fn node_weight(i: usize, n: f64) -> f64 {
     (0.37 * i as f64).sin() / n.sqrt()
 }
 

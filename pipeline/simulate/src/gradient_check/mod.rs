@@ -15,7 +15,7 @@ use crate::case::read;
 use crate::{Body, load};
 use diagnostics::{Diagnostic, Result};
 use evaluation::Evaluation;
-use parameters::parameters;
+use parameters::case_parameters;
 pub use report::{GradientReport, Line};
 
 /// Checks the gradients of the case in the file `path`; of a motion, over its first `steps` steps.
@@ -27,11 +27,11 @@ pub fn run(path: &Path, steps: usize) -> Result<GradientReport> {
     let loaded = load(&case, path.parent().unwrap_or(Path::new(".")))?;
     let body = Body::new(&case, &loaded)?;
     let mut evaluation = Evaluation::new(&case, &body, steps)?;
-    let parameters = parameters(&case, &body);
+    let parameters = case_parameters(&case, &body);
     let derivatives = evaluation.derivatives(&parameters)?;
     let mut lines = Vec::new();
     for (parameter, (backward, forward)) in parameters.iter().zip(derivatives) {
-        lines.push(report::line(parameter, backward, forward, |part| evaluation.loss_at(parameter, part))?);
+        lines.push(report::evaluate_line(parameter, backward, forward, |part| evaluation.loss_at(parameter, part))?);
     }
     Ok(GradientReport { case: path.display().to_string(), dofs: body.system.dofs(), lines })
 }

@@ -23,74 +23,78 @@ const PART: f64 = 0.01;
 const LEFT: f64 = 0.04;
 
 /// All parameters of the case's loss.
-pub(super) fn parameters(case: &Case, body: &Body) -> Vec<CaseParameter> {
-    let mut all = Vec::new();
+pub(super) fn case_parameters(case: &Case, body: &Body) -> Vec<CaseParameter> {
+    let mut parameters = Vec::new();
     let inert = case.dynamic.as_ref().is_some_and(|set| set.scheme != Scheme::QuasiStatic);
     let weighs = inert || case.gravity != [0.0; 3];
-    for (region, is) in body.system.regions().iter().enumerate() {
+    for (region, given) in body.system.regions().iter().enumerate() {
         let name = |what: &str| format!("{what} of region {region}");
-        all.push(part(name("E"), Parameter::YoungsModulus(region), is.youngs_modulus));
-        let (nu, turn) = (is.poissons_ratio, LEFT * (0.5 - is.poissons_ratio));
-        all.push(CaseParameter { name: name("ν"), parameter: Parameter::PoissonsRatio(region), value: nu, turn });
-        if is.material.is_stiffening() {
+        parameters.push(relative_parameter(name("E"), Parameter::YoungsModulus(region), given.youngs_modulus));
+        let (nu, turn) = (given.poissons_ratio, LEFT * (0.5 - given.poissons_ratio));
+        let parameter = Parameter::PoissonsRatio(region);
+        parameters.push(CaseParameter { name: name("ν"), parameter, value: nu, turn });
+        if given.material.is_stiffening() {
             let term = |term: usize| {
                 let parameter = Parameter::Stiffening { region, term };
                 CaseParameter {
                     name: name(["C20/C10", "C30/C10"][term]),
                     parameter,
-                    value: is.stiffening[term],
+                    value: given.stiffening[term],
                     turn: PART,
                 }
             };
-            all.extend((0..2).map(term));
+            parameters.extend((0..2).map(term));
         }
         if case.dynamic.is_some() {
-            all.extend(relaxation(region, &is.relaxation));
+            parameters.extend(relaxation_parameters(region, &given.relaxation));
         }
         if weighs {
-            all.push(part(name("ρ"), Parameter::Density(region), is.density));
+            parameters.push(relative_parameter(name("ρ"), Parameter::Density(region), given.density));
         }
     }
     for (chamber, &number) in case.chamber.iter().zip(&body.numbers) {
         let name = chamber.name.clone().unwrap_or_else(|| number.to_string());
-        all.push(part(format!("pressure gain of {name}"), Parameter::PressureGain(number), 1.0));
+        parameters.push(relative_parameter(format!("pressure gain of {name}"), Parameter::PressureGain(number), 1.0));
     }
-    all.extend(force(body));
-    all.extend(case.dynamic.iter().flat_map(dampings));
-    all
+    parameters.extend(force_parameter(body));
+    parameters.extend(case.dynamic.iter().flat_map(damping_parameters));
+    parameters
 }
 
-fn part(name: String, parameter: Parameter, value: f64) -> CaseParameter {
+fn relative_parameter(name: String, parameter: Parameter, value: f64) -> CaseParameter {
     CaseParameter { name, parameter, value, turn: PART * value }
 }
 
 /// The numbers of a region's relaxation.
-fn relaxation(region: usize, of: &Relaxation) -> Vec<CaseParameter> {
+fn relaxation_parameters(region: usize, relaxation: &Relaxation) -> Vec<CaseParameter> {
     let name = |what: &str| format!("{what} of region {region}");
-    if let Some(springpot) = of.as_springpot() {
-        let strength = part(name("springpot strength"), Parameter::SpringpotStrength(region), springpot.strength);
-        let exponent = part(name("springpot exponent"), Parameter::SpringpotExponent(region), springpot.exponent);
+    if let Some(springpot) = relaxation.as_springpot() {
+        let strength =
+            relative_parameter(name("springpot strength"), Parameter::SpringpotStrength(region), springpot.strength);
+        let exponent =
+            relative_parameter(name("springpot exponent"), Parameter::SpringpotExponent(region), springpot.exponent);
         return vec![strength, exponent];
     }
     let pair = |(branch, is): (usize, &Branch)| {
         let name = |what: &str| name(&format!("{what} of branch {branch}"));
-        let strength = part(name("strength"), Parameter::RelaxationStrength { region, branch }, is.strength);
-        [strength, part(name("time"), Parameter::RelaxationTime { region, branch }, is.time)]
+        let strength =
+            relative_parameter(name("strength"), Parameter::RelaxationStrength { region, branch }, is.strength);
+        [strength, relative_parameter(name("time"), Parameter::RelaxationTime { region, branch }, is.time)]
     };
-    of.branches().iter().enumerate().flat_map(pair).collect()
+    relaxation.branches().iter().enumerate().flat_map(pair).collect()
 }
 
 /// The largest component of all dead forces.
-fn force(body: &Body) -> Option<CaseParameter> {
+fn force_parameter(body: &Body) -> Option<CaseParameter> {
     let largest = (0..body.forces.len()).max_by(|&a, &b| body.forces[a].abs().total_cmp(&body.forces[b].abs()))?;
     let value = body.forces[largest];
     let (node, axis) = (largest / 3, largest % 3);
     let name = format!("force on node {node} along {}", ["x", "y", "z"][axis]);
-    (value != 0.0).then(|| part(name, Parameter::Force { node, axis }, value))
+    (value != 0.0).then(|| relative_parameter(name, Parameter::Force { node, axis }, value))
 }
 
-fn dampings(set: &Dynamic) -> impl Iterator<Item = CaseParameter> {
-    let alpha = part("mass damping".into(), Parameter::MassDamping, set.mass_damping);
-    let beta = part("stiffness damping".into(), Parameter::StiffnessDamping, set.stiffness_damping);
+fn damping_parameters(set: &Dynamic) -> impl Iterator<Item = CaseParameter> {
+    let alpha = relative_parameter("mass damping".into(), Parameter::MassDamping, set.mass_damping);
+    let beta = relative_parameter("stiffness damping".into(), Parameter::StiffnessDamping, set.stiffness_damping);
     [alpha, beta].into_iter().filter(|parameter| parameter.value > 0.0)
 }

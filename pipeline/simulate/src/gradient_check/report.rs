@@ -38,7 +38,7 @@ impl Line {
 }
 
 /// Perturbs one parameter and evaluates the result.
-pub(super) fn line(
+pub(super) fn evaluate_line(
     parameter: &CaseParameter,
     backward: f64,
     forward: f64,
@@ -48,16 +48,16 @@ pub(super) fn line(
     let [near_above, near_below] = [loss(0.5)?, loss(-0.5)?];
     let (wide, close) = ((above - below) / (2.0 * parameter.turn), (near_above - near_below) / parameter.turn);
     let difference = (4.0 * close - wide) / 3.0;
-    let here = loss(0.0)?;
-    let left = |there: f64, part: f64| (there - here - part * parameter.turn * backward).abs();
-    let (far, near) = (left(near_above, 0.5), left(loss(0.25)?, 0.25));
+    let loss_at_case = loss(0.0)?;
+    let remainder = |there: f64, part: f64| (there - loss_at_case - part * parameter.turn * backward).abs();
+    let (far, near) = (remainder(near_above, 0.5), remainder(loss(0.25)?, 0.25));
     let straight = far < STRAIGHT * (above - below).abs();
-    let off = |other: f64| (backward - other).abs() / other.abs().max(f64::MIN_POSITIVE);
+    let relative_error = |other: f64| (backward - other).abs() / other.abs().max(f64::MIN_POSITIVE);
     Ok(Line {
         name: parameter.name.clone(),
         backward,
-        off_differences: off(difference),
-        off_forward: off(forward),
+        off_differences: relative_error(difference),
+        off_forward: relative_error(forward),
         slope: (!straight).then(|| (far / near).log2()),
     })
 }
@@ -94,10 +94,10 @@ impl fmt::Display for GradientReport {
                 "  {name:36} {backward:14.6e} {off_differences:16.1e} {off_forward:13.1e} {slope:>13} {verdict}"
             )?;
         }
-        let held = self.lines.iter().filter(|line| line.holds()).count();
+        let passed = self.lines.iter().filter(|line| line.holds()).count();
         write!(
             f,
-            "  {held} of {} hold: differences within {DIFFERENCE:.0e}, forward within {FORWARD:.0e}, slope 2 ± {SLOPE}",
+            "  {passed} of {} hold: differences within {DIFFERENCE:.0e}, forward within {FORWARD:.0e}, slope 2 ± {SLOPE}",
             self.lines.len()
         )
     }
@@ -111,7 +111,7 @@ mod tests {
     /// The line of a loss e^θ at θ = 1 whose gradient is said to be `backward`.
     fn judged(backward: f64) -> Line {
         let parameter = CaseParameter { name: "θ".into(), parameter: Parameter::MassDamping, value: 1.0, turn: 0.01 };
-        line(&parameter, backward, backward, |part| Ok((1.0 + 0.01 * part).exp())).unwrap()
+        evaluate_line(&parameter, backward, backward, |part| Ok((1.0 + 0.01 * part).exp())).unwrap()
     }
 
     #[test]

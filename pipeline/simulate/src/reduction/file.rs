@@ -25,7 +25,7 @@ pub(super) struct TrainingNote {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the file cannot be written; it is then as before.
-pub(super) fn write(path: &Path, model: &ReducedModelData, note: &TrainingNote) -> Result<()> {
+pub(super) fn write_model(path: &Path, model: &ReducedModelData, note: &TrainingNote) -> Result<()> {
     let doubles = |values: &mut dyn Iterator<Item = f64>| values.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
     let nodes = model.modes.first().map_or(0, |mode| mode.len() / 3);
     let mut tensors: Vec<(String, Dtype, Vec<usize>, Vec<u8>)> = vec![

@@ -47,7 +47,7 @@ pub fn reduce(options: &ReduceOptions) -> Result<String> {
     check_reducible(&case, options).map_err(named)?;
     let loaded = load(&case, path.parent().unwrap_or(path)).map_err(named)?;
     let body = Body::new(&case, &loaded).map_err(named)?;
-    let constants = options.over.iter().map(|range| Ok((range.parameter(&body)?, range.clone())));
+    let constants = options.over.iter().map(|range| Ok((range.as_parameter(&body)?, range.clone())));
     let space = TrainingBox {
         constants: constants.collect::<Result<_>>()?,
         pressures: ranges::by_chamber(&options.pressures, &case, &body)?,
@@ -62,7 +62,7 @@ pub fn reduce(options: &ReduceOptions) -> Result<String> {
     };
     let tolerance = case.statics.as_ref().map_or(StaticSettings::default().tolerance, |set: &Static| set.tolerance);
     let settings = StaticSettings { tolerance, ..StaticSettings::default() };
-    let Trained { model, taught, checked } = Training::new(&body.system, &space, settings).run(&progress)?;
+    let Trained { model, taught, checked } = Training::new(&body.system, &space, settings).run_training(&progress)?;
     let note = TrainingNote {
         constants: options.over.clone(),
         pressures: space.pressures,
@@ -70,7 +70,7 @@ pub fn reduce(options: &ReduceOptions) -> Result<String> {
         checked: checked.0,
         largest_difference: checked.1,
     };
-    file::write(&options.out, &model.data(), &note)?;
+    file::write_model(&options.out, &model.data(), &note)?;
     Ok(format!(
         "{} coordinates, {} quadrature points from {taught} equilibria; {} others differ by at most {:.3} % of the largest displacement → {}",
         model.coordinates(),
@@ -90,21 +90,21 @@ fn check_reducible(case: &Case, options: &ReduceOptions) -> Result<()> {
         (case.contact.is_some(), "contact"),
         (case.chamber.iter().any(|chamber| chamber.sealed_in.is_some()), "a sealed chamber"),
     ];
-    if let Some((_, what)) = acting.iter().find(|(acts, _)| *acts) {
-        let why = "a reduced model is moved by the pressures of its chambers alone";
+    if let Some((_, cause)) = acting.iter().find(|(acts, _)| *acts) {
+        let reason = "a reduced model is moved by the pressures of its chambers alone";
         return Err(Diagnostic::new(
-            format!("the case has {what}"),
-            why,
+            format!("the case has {cause}"),
+            reason,
             "leave it out of a case of its own for the reduction",
         ));
     }
     if options.pressures.iter().all(|range| range.low == range.high) {
-        let why = "its shapes are those that the body takes under them";
-        return Err(Diagnostic::new("no pressure varies", why, "give --pressure CHAMBER=LOW..HIGH, in Pa"));
+        let reason = "its shapes are those that the body takes under them";
+        return Err(Diagnostic::new("no pressure varies", reason, "give --pressure CHAMBER=LOW..HIGH, in Pa"));
     }
     if options.over.len() + options.pressures.len() > most_dimensions() {
-        let why = format!("points are drawn from at most {} of them", most_dimensions());
-        return Err(Diagnostic::new("too many ranges are given", why, "leave out those that matter least"));
+        let reason = format!("points are drawn from at most {} of them", most_dimensions());
+        return Err(Diagnostic::new("too many ranges are given", reason, "leave out those that matter least"));
     }
     Ok(())
 }

@@ -47,18 +47,22 @@ impl NamedRange {
     ///
     /// # Errors
     /// A [`Diagnostic`] when there is no such region, or the range leaves what a solid can have.
-    pub(super) fn parameter(&self, body: &Body) -> Result<Parameter> {
+    pub(super) fn as_parameter(&self, body: &Body) -> Result<Parameter> {
         let (kind, region) = self.name.split_once('.').unwrap_or((&self.name, ""));
-        let is_named = |is: &mesh::foreign::Region| {
-            is.name.as_deref() == Some(region)
-                || is.tag.to_string() == region
+        let is_named = |region_of_mesh: &mesh::foreign::Region| {
+            region_of_mesh.name.as_deref() == Some(region)
+                || region_of_mesh.tag.to_string() == region
                 || region.is_empty() && body.regions.len() == 1
         };
-        let names = || body.regions.iter().map(|is| is.name.clone().unwrap_or_else(|| is.tag.to_string()));
-        let refused = |why: String| {
-            let known: Vec<String> = names().flat_map(|name| [format!("E.{name}"), format!("nu.{name}")]).collect();
-            let action = format!("give one of {}", known.join(", "));
-            Diagnostic::new(format!("a reduced model is not trained over `{}`", self.name), why, action)
+        let names = || {
+            body.regions
+                .iter()
+                .map(|region_of_mesh| region_of_mesh.name.clone().unwrap_or_else(|| region_of_mesh.tag.to_string()))
+        };
+        let refused = |reason: String| {
+            let choices: Vec<String> = names().flat_map(|name| [format!("E.{name}"), format!("nu.{name}")]).collect();
+            let action = format!("give one of {}", choices.join(", "));
+            Diagnostic::new(format!("a reduced model is not trained over `{}`", self.name), reason, action)
         };
         let index = body.regions.iter().position(is_named).ok_or_else(|| refused("no region has this name".into()))?;
         match kind {
@@ -84,11 +88,11 @@ pub(super) fn by_chamber(given: &[NamedRange], case: &Case, body: &Body) -> Resu
             named.filter(|(chamber, _)| chamber.name.as_ref() == Some(&range.name)).map(|(_, number)| *number);
         let by_number = || range.name.parse::<usize>().ok().filter(|number| *number < ranges.len());
         let number = of_case.next().or_else(by_number).ok_or_else(|| {
-            let known: Vec<&str> = case.chamber.iter().filter_map(|chamber| chamber.name.as_deref()).collect();
-            let why = format!("the case names {}, and the mesh closes {}", known.join(", "), ranges.len());
+            let known_names: Vec<&str> = case.chamber.iter().filter_map(|chamber| chamber.name.as_deref()).collect();
+            let reason = format!("the case names {}, and the mesh closes {}", known_names.join(", "), ranges.len());
             Diagnostic::new(
                 format!("there is no chamber `{}`", range.name),
-                why,
+                reason,
                 "give its name, or its number in the mesh",
             )
         })?;

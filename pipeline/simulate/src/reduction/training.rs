@@ -76,7 +76,7 @@ impl<'a> Training<'a> {
 
     /// # Errors
     /// A [`Diagnostic`] when the whole body has no equilibrium in the box, the model cannot be made, or it does not serve after so many equilibria.
-    pub fn run(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
+    pub fn run_training(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
         self.follow_pressures()?;
         let (mut model, mut checked, mut number) = (self.reduced_model()?, (0, 0.0_f64), 0);
         while checked.0 < CHECKS {
@@ -95,7 +95,7 @@ impl<'a> Training<'a> {
             if self.equilibria.len() >= self.space.most {
                 return Err(self.not_trained(difference));
             }
-            self.teach(point, whole)?;
+            self.teach_equilibrium(point, whole)?;
             (model, checked) = (self.reduced_model()?, (0, 0.0));
         }
         Ok(Trained { model, taught: self.equilibria.len(), checked })
@@ -104,31 +104,34 @@ impl<'a> Training<'a> {
     /// Teaches the pressures of each chamber alone at the middle of the constants, then all of them together.
     fn follow_pressures(&mut self) -> Result<()> {
         let middle = vec![0.5; self.space.constants.len()];
-        let rest: Vec<Pascal> = self.space.pressures.iter().map(|range| 0.0_f64.clamp(range.low, range.high)).collect();
-        let moved: Vec<usize> =
-            (0..rest.len()).filter(|&k| self.space.pressures[k].low < self.space.pressures[k].high).collect();
-        for &chamber in &moved {
+        let neutral_pressures: Vec<Pascal> =
+            self.space.pressures.iter().map(|range| 0.0_f64.clamp(range.low, range.high)).collect();
+        let varied_chambers: Vec<usize> = (0..neutral_pressures.len())
+            .filter(|&k| self.space.pressures[k].low < self.space.pressures[k].high)
+            .collect();
+        for &chamber in &varied_chambers {
             let mut last: Option<Vec<f64>> = None;
             for step in 1..=STEPS {
-                let mut pressures = rest.clone();
-                pressures[chamber] += (self.farthest(chamber) - rest[chamber]) * step as f64 / STEPS as f64;
+                let mut pressures = neutral_pressures.clone();
+                pressures[chamber] +=
+                    (self.farthest_pressure(chamber) - neutral_pressures[chamber]) * step as f64 / STEPS as f64;
                 let point = BoxPoint { regions: self.regions_at(&middle), pressures };
-                let found = self.whole_equilibrium(&point, last.as_deref())?;
-                last = Some(found.displacement.clone());
-                self.teach(point, found)?;
+                let equilibrium = self.whole_equilibrium(&point, last.as_deref())?;
+                last = Some(equilibrium.displacement.clone());
+                self.teach_equilibrium(point, equilibrium)?;
             }
         }
-        if moved.len() > 1 {
-            let pressures = (0..rest.len()).map(|chamber| self.farthest(chamber)).collect();
+        if varied_chambers.len() > 1 {
+            let pressures = (0..neutral_pressures.len()).map(|chamber| self.farthest_pressure(chamber)).collect();
             let point = BoxPoint { regions: self.regions_at(&middle), pressures };
-            let found = self.whole_equilibrium(&point, None)?;
-            self.teach(point, found)?;
+            let equilibrium = self.whole_equilibrium(&point, None)?;
+            self.teach_equilibrium(point, equilibrium)?;
         }
         Ok(())
     }
 
     /// The end of a chamber's range that is farther from ambient pressure, Pa.
-    fn farthest(&self, chamber: usize) -> Pascal {
+    fn farthest_pressure(&self, chamber: usize) -> Pascal {
         let NamedRange { low, high, .. } = self.space.pressures[chamber];
         if low.abs() > high.abs() { low } else { high }
     }
@@ -166,14 +169,14 @@ impl<'a> Training<'a> {
         Ok(self.solver_at(point)?.equilibrium(&point.pressures, guess, &self.settings)?)
     }
 
-    fn teach(&mut self, point: BoxPoint, found: Equilibrium) -> Result<()> {
+    fn teach_equilibrium(&mut self, point: BoxPoint, equilibrium: Equilibrium) -> Result<()> {
         let mut solver = self.solver_at(&point)?;
         let change = |(parameter, range): &(Parameter, NamedRange)| -> Result<Vec<f64>> {
             let half = 0.5 * (range.high - range.low);
-            Ok(solver.sensitivity(&found, *parameter)?.into_iter().map(|by| half * by).collect())
+            Ok(solver.sensitivity(&equilibrium, *parameter)?.into_iter().map(|slope| half * slope).collect())
         };
         let changes = self.space.constants.iter().map(change).collect::<Result<_>>()?;
-        self.equilibria.push(TrainingEquilibrium { point, displacement: found.displacement, changes });
+        self.equilibria.push(TrainingEquilibrium { point, displacement: equilibrium.displacement, changes });
         Ok(())
     }
 
@@ -195,14 +198,20 @@ impl<'a> Training<'a> {
     /// The whole body at a point, and the largest difference of the reduced one.
     fn check_point(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Result<(Equilibrium, f64)> {
         let predicted = self.predicted_displacement(model, point);
-        let whole = self.whole_equilibrium(point, predicted.as_deref())?;
-        let largest =
-            self.equilibria.iter().flat_map(|known| &known.displacement).fold(0.0, |most: f64, u| most.max(u.abs()));
-        let away = |predicted: &Vec<f64>| {
-            predicted.iter().zip(&whole.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        let equilibrium = self.whole_equilibrium(point, predicted.as_deref())?;
+        let largest = self
+            .equilibria
+            .iter()
+            .flat_map(|known| &known.displacement)
+            .fold(0.0, |greatest: f64, u| greatest.max(u.abs()));
+        let largest_difference = |predicted: &Vec<f64>| {
+            predicted
+                .iter()
+                .zip(&equilibrium.displacement)
+                .fold(0.0, |greatest: f64, (a, b)| greatest.max((a - b).abs()))
         };
-        let difference = predicted.as_ref().map_or(f64::INFINITY, |predicted| away(predicted) / largest);
-        Ok((whole, difference))
+        let difference = predicted.as_ref().map_or(f64::INFINITY, |predicted| largest_difference(predicted) / largest);
+        Ok((equilibrium, difference))
     }
 
     /// By the reduced model from the nearest equilibrium that taught it; none where it finds no equilibrium.
@@ -214,8 +223,8 @@ impl<'a> Training<'a> {
         let nearest = self.equilibria.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let start: DVector<f64> = model.projected(&nearest.displacement);
         let solver = ReducedSolver::new(Arc::clone(model), point.regions.clone());
-        let found = solver.equilibrium_near(&point.pressures, &start, &start).ok()?;
-        Some(model.displacement(&found.coordinates))
+        let equilibrium = solver.equilibrium_near(&point.pressures, &start, &start).ok()?;
+        Some(model.displacement(&equilibrium.coordinates))
     }
 
     fn not_trained(&self, difference: f64) -> Diagnostic {

@@ -98,7 +98,7 @@ impl Recording {
     pub(super) fn pressure_at(&self, time: Second, supply: &Supply) -> Pascal {
         match &self.pressure {
             History::Constant(held) => supply.step_pressure(*held, time),
-            wave => wave.at(time),
+            wave => wave.value_at(time),
         }
     }
 
