@@ -13,15 +13,15 @@ pub enum Scale {
 
 impl Scale {
     /// The quantity that is linear along the axis: the value, or its decimal logarithm.
-    pub(crate) fn linearised(self, value: f64) -> f64 {
+    pub(crate) fn to_linear(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
             Self::Log => value.log10(),
         }
     }
 
-    /// The inverse of [`Scale::linearised`].
-    pub(crate) fn value(self, linearised: f64) -> f64 {
+    /// The inverse of [`Scale::to_linear`].
+    pub(crate) fn from_linear(self, linearised: f64) -> f64 {
         match self {
             Self::Linear => linearised,
             Self::Log => 10f64.powf(linearised),
@@ -67,7 +67,7 @@ impl Axis {
     }
 
     /// Label and unit: `time (s)`.
-    pub(crate) fn title(&self) -> String {
+    pub(crate) fn full_title(&self) -> String {
         match self.unit.as_str() {
             "" => self.label.clone(),
             unit => format!("{} ({unit})", self.label),
@@ -75,7 +75,7 @@ impl Axis {
     }
 
     /// The ends that are shown: those that were set, or those of the values with a margin (a fraction of the range).
-    pub(crate) fn ends(&self, values: impl Iterator<Item = f64>, margin: f64) -> Result<(f64, f64), PlotError> {
+    pub(crate) fn shown_ends(&self, values: impl Iterator<Item = f64>, margin: f64) -> Result<(f64, f64), PlotError> {
         let (low, high) = match self.range {
             Some(range) => range,
             None => values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v))),
@@ -88,18 +88,18 @@ impl Axis {
             _ if !(low.is_finite() && high.is_finite()) => Err(empty),
             Some(_) if low < high => Ok((low, high)),
             Some(_) => Err(empty),
-            None => Ok(self.widened(low, high, margin)),
+            None => Ok(self.widened_ends(low, high, margin)),
         }
     }
 
-    fn widened(&self, low: f64, high: f64, margin: f64) -> (f64, f64) {
-        let (a, b) = (self.scale.linearised(low), self.scale.linearised(high));
+    fn widened_ends(&self, low: f64, high: f64, margin: f64) -> (f64, f64) {
+        let (a, b) = (self.scale.to_linear(low), self.scale.to_linear(high));
         let pad = match b - a {
             0.0 if a == 0.0 || self.scale == Scale::Log => 0.5,
             0.0 => 0.1 * a.abs(),
             length => margin * length,
         };
-        (self.scale.value(a - pad), self.scale.value(b + pad))
+        (self.scale.from_linear(a - pad), self.scale.from_linear(b + pad))
     }
 }
 
@@ -109,26 +109,26 @@ mod tests {
 
     #[test]
     fn the_range_is_that_of_the_data_with_a_margin() {
-        let (low, high) = Axis::linear("x", "m").ends([3.0, 1.0, 2.0].into_iter(), 0.1).unwrap();
+        let (low, high) = Axis::linear("x", "m").shown_ends([3.0, 1.0, 2.0].into_iter(), 0.1).unwrap();
         assert!((low - 0.8).abs() < 1e-12 && (high - 3.2).abs() < 1e-12);
     }
 
     #[test]
     fn a_logarithmic_axis_refuses_zero() {
-        let refused = Axis::log("loss", "").ends([0.0, 1.0].into_iter(), 0.0);
+        let refused = Axis::log("loss", "").shown_ends([0.0, 1.0].into_iter(), 0.0);
         assert!(matches!(refused, Err(PlotError::NotPositive { value: 0.0, .. })));
     }
 
     #[test]
     fn an_axis_with_one_value_has_a_positive_range() {
         for value in [0.0, -4.0, 1e-9] {
-            let (low, high) = Axis::linear("x", "m").ends([value].into_iter(), 0.05).unwrap();
+            let (low, high) = Axis::linear("x", "m").shown_ends([value].into_iter(), 0.05).unwrap();
             assert!(low < value && value < high);
         }
     }
 
     #[test]
     fn an_axis_without_data_is_refused() {
-        assert!(matches!(Axis::linear("x", "m").ends([].into_iter(), 0.0), Err(PlotError::Range { .. })));
+        assert!(matches!(Axis::linear("x", "m").shown_ends([].into_iter(), 0.0), Err(PlotError::Range { .. })));
     }
 }

@@ -38,8 +38,8 @@ impl Area {
     }
 
     /// Grown (or shrunk, below 0) on every side.
-    pub fn grown(&self, by: f64) -> Self {
-        Self { from: self.from.map(|v| v - by), to: self.to.map(|v| v + by) }
+    pub fn grown(&self, margin: f64) -> Self {
+        Self { from: self.from.map(|v| v - margin), to: self.to.map(|v| v + margin) }
     }
 
     /// Whether a point lies in it.
@@ -105,12 +105,12 @@ impl TextItem {
     }
 
     /// The same text with its anchor moved.
-    pub fn moved(self, by: Point2) -> Self {
-        Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..self }
+    pub fn shifted_by(self, shift: Point2) -> Self {
+        Self { at: [self.at[0] + shift[0], self.at[1] + shift[1]], ..self }
     }
 
     /// The bounding box of the text.
-    pub fn area(&self) -> Area {
+    pub fn text_area(&self) -> Area {
         let width = text::width(&self.text, self.size) * if self.bold { text::BOLD } else { 1.0 };
         let begin = match self.side {
             Side::Right => 0.0,
@@ -184,30 +184,30 @@ pub struct Canvas {
 
 impl Canvas {
     /// A solid or broken line.
-    pub fn path(&mut self, points: Vec<Point2>, width: f64, dash: Dash, colour: Colour) {
+    pub fn draw_path(&mut self, points: Vec<Point2>, width: f64, dash: Dash, colour: Colour) {
         self.items.push(Item::Path { points, width, dash, colour, opacity: 1.0 });
     }
 
     /// A straight solid line.
-    pub fn segment(&mut self, from: Point2, to: Point2, width: f64, colour: Colour) {
-        self.path(vec![from, to], width, Dash::Solid, colour);
+    pub fn draw_segment(&mut self, from: Point2, to: Point2, width: f64, colour: Colour) {
+        self.draw_path(vec![from, to], width, Dash::Solid, colour);
     }
 
     /// The outline of a rectangle.
-    pub fn outline(&mut self, area: Area, width: f64, colour: Colour) {
+    pub fn draw_outline(&mut self, area: Area, width: f64, colour: Colour) {
         let mut points = area.corners();
         points.push(area.from);
         points.push([area.to[0], area.from[1]]); // the first side is repeated, so that the last corner is mitred like the others
-        self.path(points, width, Dash::Solid, colour);
+        self.draw_path(points, width, Dash::Solid, colour);
     }
 
     /// A filled rectangle.
-    pub fn filled(&mut self, area: Area, colour: Colour, opacity: f64) {
+    pub fn fill_area(&mut self, area: Area, colour: Colour, opacity: f64) {
         self.items.push(Item::Polygon { points: area.corners(), colour, opacity });
     }
 
     /// A line of text.
-    pub fn text(&mut self, text: TextItem) {
+    pub fn draw_text(&mut self, text: TextItem) {
         self.items.push(Item::Text(text));
     }
 }
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn rotated_text_has_a_bounding_box_with_swapped_sides() {
         let text = TextItem::new([10.0, 50.0], "mmmm", 8.0);
-        let (horizontal, vertical) = (text.area(), text.vertical().area());
+        let (horizontal, vertical) = (text.text_area(), text.vertical().text_area());
         assert!((horizontal.width() - vertical.height()).abs() < 1e-12 && (horizontal.height() - 8.0).abs() < 1e-12);
         assert_eq!(horizontal.centre(), vertical.centre());
     }

@@ -14,12 +14,12 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    fn at(&self, column: usize, row: usize) -> f64 {
+    fn value_at(&self, column: usize, row: usize) -> f64 {
         self.values[row * self.columns + column]
     }
 
     /// Bilinear interpolation; NaN beside a missing value.
-    pub fn between(&self, p: Point2) -> f64 {
+    pub fn interpolate(&self, p: Point2) -> f64 {
         let cell = |v: f64, most: usize| (v.floor().max(0.0) as usize).min(most.saturating_sub(2));
         let (i, j) = (cell(p[0], self.columns), cell(p[1], self.rows));
         let (s, t) = (p[0] - i as f64, p[1] - j as f64);
@@ -33,31 +33,35 @@ impl Field {
                 a * (1.0 - part) + b * part
             }
         };
-        mix(mix(self.at(i, j), self.at(i + 1, j), s), mix(self.at(i, j + 1), self.at(i + 1, j + 1), s), t)
+        mix(
+            mix(self.value_at(i, j), self.value_at(i + 1, j), s),
+            mix(self.value_at(i, j + 1), self.value_at(i + 1, j + 1), s),
+            t,
+        )
     }
 
     /// The same field on a grid `times` as fine.
-    pub fn refined(&self, times: usize) -> Self {
+    pub fn refined_field(&self, times: usize) -> Self {
         let (columns, rows) = ((self.columns - 1) * times + 1, (self.rows - 1) * times + 1);
-        let place = |k: usize| [(k % columns) as f64 / times as f64, (k / columns) as f64 / times as f64];
-        Self { columns, rows, values: (0..columns * rows).map(|k| self.between(place(k))).collect() }
+        let node = |k: usize| [(k % columns) as f64 / times as f64, (k / columns) as f64 / times as f64];
+        Self { columns, rows, values: (0..columns * rows).map(|k| self.interpolate(node(k))).collect() }
     }
 
     /// The contour lines of one level, in grid coordinates.
-    pub fn lines(&self, level: f64) -> Vec<Vec<Point2>> {
+    pub fn contour_lines(&self, level: f64) -> Vec<Vec<Point2>> {
         let mut segments = Vec::new();
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {
                 self.cross_cell(column, row, level, &mut segments);
             }
         }
-        joined(segments)
+        join_segments(segments)
     }
 
     /// The segments of a contour line inside of one cell.
     fn cross_cell(&self, column: usize, row: usize, level: f64, segments: &mut Vec<[Point2; 2]>) {
         let corners = [(column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1)];
-        let values = corners.map(|(i, j)| self.at(i, j));
+        let values = corners.map(|(i, j)| self.value_at(i, j));
         if values.iter().any(|v| v.is_nan()) {
             return;
         }
@@ -72,8 +76,8 @@ impl Field {
             let (p, q) = (corners[a], corners[b]);
             Some([p.0 as f64 + t * (q.0 as f64 - p.0 as f64), p.1 as f64 + t * (q.1 as f64 - p.1 as f64)])
         };
-        let found: Vec<Point2> = (0..4).filter_map(crossing).collect();
-        match found[..] {
+        let crossings: Vec<Point2> = (0..4).filter_map(crossing).collect();
+        match crossings[..] {
             [a, b] => segments.push([a, b]),
             // a saddle is ambiguous: the mean of the corners decides which of them are connected
             [a, b, c, d] if (0.25 * values.iter().sum::<f64>() > level) == (values[0] > level) => {
@@ -86,7 +90,7 @@ impl Field {
 }
 
 /// Segments joined end to end into lines, in a fixed order.
-fn joined(mut segments: Vec<[Point2; 2]>) -> Vec<Vec<Point2>> {
+fn join_segments(mut segments: Vec<[Point2; 2]>) -> Vec<Vec<Point2>> {
     let mut lines = Vec::new();
     while let Some([a, b]) = segments.pop() {
         let mut line = vec![a, b];
@@ -103,10 +107,10 @@ fn joined(mut segments: Vec<[Point2; 2]>) -> Vec<Vec<Point2>> {
 
 /// Takes out a segment that begins or ends at a point; returns its other end.
 fn take_neighbour(segments: &mut Vec<[Point2; 2]>, end: Point2) -> Option<Point2> {
-    let near = |p: Point2| (p[0] - end[0]).abs() + (p[1] - end[1]).abs() < 1e-9;
-    let index = segments.iter().rposition(|s| near(s[0]) || near(s[1]))?;
+    let is_end = |p: Point2| (p[0] - end[0]).abs() + (p[1] - end[1]).abs() < 1e-9;
+    let index = segments.iter().rposition(|s| is_end(s[0]) || is_end(s[1]))?;
     let [a, b] = segments.remove(index);
-    Some(if near(a) { b } else { a })
+    Some(if is_end(a) { b } else { a })
 }
 
 #[cfg(test)]
@@ -120,7 +124,7 @@ mod tests {
 
     #[test]
     fn the_contour_of_a_bowl_is_one_closed_circle() {
-        let lines = bowl().lines(12.3);
+        let lines = bowl().contour_lines(12.3);
         assert_eq!(lines.len(), 1);
         let line = &lines[0];
         let gap = (line[0][0] - line[line.len() - 1][0]).hypot(line[0][1] - line[line.len() - 1][1]);
@@ -133,7 +137,7 @@ mod tests {
     fn a_missing_value_opens_the_circle() {
         let mut field = bowl();
         field.values[20 * 41 + 32] = f64::NAN;
-        let lines = field.lines(12.3);
+        let lines = field.contour_lines(12.3);
         assert!(lines.iter().all(|line| line.iter().all(|p| p.iter().all(|v| v.is_finite()))));
         let line = &lines[0];
         assert!((line[0][1] - line[line.len() - 1][1]).abs() > 1.0);
@@ -141,15 +145,15 @@ mod tests {
 
     #[test]
     fn a_refined_field_keeps_its_grid_points() {
-        let (coarse, fine) = (bowl(), bowl().refined(3));
+        let (coarse, fine) = (bowl(), bowl().refined_field(3));
         assert_eq!(fine.columns, 121);
-        assert_eq!(fine.at(3 * 7, 3 * 5), coarse.at(7, 5));
+        assert_eq!(fine.value_at(3 * 7, 3 * 5), coarse.value_at(7, 5));
     }
 
     #[test]
     fn a_saddle_is_parted_as_its_mean_says() {
         // high corners at (0, 0) and (1, 1); a mean above the level joins them, one below parts them
-        let lines = |low: f64| Field { columns: 2, rows: 2, values: vec![1.0, low, low, 1.0] }.lines(0.0);
+        let lines = |low: f64| Field { columns: 2, rows: 2, values: vec![1.0, low, low, 1.0] }.contour_lines(0.0);
         let cuts_off = |line: &Vec<Point2>, corner: Point2| {
             line.iter().all(|p| (p[0] - corner[0]).abs() + (p[1] - corner[1]).abs() < 1.0)
         };

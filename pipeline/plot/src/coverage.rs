@@ -7,30 +7,31 @@ use crate::clip;
 
 impl Canvas {
     /// Whether a rectangle touches anything drawn, line widths included.
-    pub fn touches(&self, area: &Area) -> bool {
-        self.items.iter().any(|item| touches(item, area))
+    pub fn touches_area(&self, area: &Area) -> bool {
+        self.items.iter().any(|item| item_touches(item, area))
     }
 }
 
-fn touches(item: &Item, area: &Area) -> bool {
+fn item_touches(item: &Item, area: &Area) -> bool {
     match item {
-        Item::Path { points, width, .. } => crosses(points, &area.grown(0.5 * width)),
+        Item::Path { points, width, .. } => line_crosses(points, &area.grown(0.5 * width)),
         Item::Polygon { points, .. } => {
             let closed = [&points[..], &points[..points.len().min(1)]].concat();
-            crosses(&closed, area) || encloses(points, area.centre())
+            line_crosses(&closed, area) || polygon_encloses(points, area.centre())
         }
         Item::Disc { at, radius, .. } => area.grown(*radius).contains(*at),
-        Item::Text(text) => text.area().intersects(area),
+        Item::Text(text) => text.text_area().intersects(area),
         Item::Picture { area: picture, .. } => picture.intersects(area),
     }
 }
 
-fn crosses(points: &[Point2], area: &Area) -> bool {
-    points.iter().any(|p| area.contains(*p)) || points.windows(2).any(|s| clip::segment(s[0], s[1], area).is_some())
+fn line_crosses(points: &[Point2], area: &Area) -> bool {
+    points.iter().any(|p| area.contains(*p))
+        || points.windows(2).any(|s| clip::clip_segment(s[0], s[1], area).is_some())
 }
 
 /// Whether a point lies inside of a polygon (even-odd rule).
-fn encloses(points: &[Point2], p: Point2) -> bool {
+fn polygon_encloses(points: &[Point2], p: Point2) -> bool {
     let mut inside = false;
     for i in 0..points.len() {
         let (a, b) = (points[i], points[(i + 1) % points.len()]);
@@ -52,23 +53,23 @@ mod tests {
     #[test]
     fn a_line_that_crosses_between_its_points_is_found() {
         let mut canvas = Canvas::default();
-        canvas.path(vec![[0.0, 0.0], [10.0, 10.0]], 1.0, Dash::Solid, BLACK);
-        assert!(canvas.touches(&BOX));
+        canvas.draw_path(vec![[0.0, 0.0], [10.0, 10.0]], 1.0, Dash::Solid, BLACK);
+        assert!(canvas.touches_area(&BOX));
     }
 
     #[test]
     fn a_line_beside_is_found_when_it_is_wide_enough() {
         let mut canvas = Canvas::default();
-        canvas.path(vec![[0.0, 7.0], [10.0, 7.0]], 1.0, Dash::Solid, BLACK);
-        assert!(!canvas.touches(&BOX));
-        canvas.path(vec![[0.0, 7.0], [10.0, 7.0]], 2.5, Dash::Solid, BLACK);
-        assert!(canvas.touches(&BOX));
+        canvas.draw_path(vec![[0.0, 7.0], [10.0, 7.0]], 1.0, Dash::Solid, BLACK);
+        assert!(!canvas.touches_area(&BOX));
+        canvas.draw_path(vec![[0.0, 7.0], [10.0, 7.0]], 2.5, Dash::Solid, BLACK);
+        assert!(canvas.touches_area(&BOX));
     }
 
     #[test]
     fn a_polygon_around_the_rectangle_is_found_although_no_edge_is_near() {
         let mut canvas = Canvas::default();
-        canvas.filled(Area { from: [0.0, 0.0], to: [10.0, 10.0] }, BLACK, 0.2);
-        assert!(canvas.touches(&BOX));
+        canvas.fill_area(Area { from: [0.0, 0.0], to: [10.0, 10.0] }, BLACK, 0.2);
+        assert!(canvas.touches_area(&BOX));
     }
 }

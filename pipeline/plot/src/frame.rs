@@ -44,18 +44,18 @@ pub struct Frame<'a> {
 impl<'a> Frame<'a> {
     /// A frame around a rectangle with the ranges of both axes.
     pub fn new(frame: Area, x: AxisRange<'a>, y: AxisRange<'a>) -> Self {
-        let across = Ruler { scale: x.axis.scale, ends: x.ends, places: (frame.from[0], frame.to[0]) };
-        let up = Ruler { scale: y.axis.scale, ends: y.ends, places: (frame.to[1], frame.from[1]) };
-        Self { plot_area: PlotArea { x: across, y: up, frame }, x: x.axis, y: y.axis }
+        let horizontal = Ruler { scale: x.axis.scale, ends: x.ends, places: (frame.from[0], frame.to[0]) };
+        let vertical = Ruler { scale: y.axis.scale, ends: y.ends, places: (frame.to[1], frame.from[1]) };
+        Self { plot_area: PlotArea { x: horizontal, y: vertical, frame }, x: x.axis, y: y.axis }
     }
 
     /// The margins for tick labels and axis labels.
-    pub(crate) fn margins(&self) -> Margins {
-        let (across, up) = (self.x_ticks(), vertical_ticks(&self.plot_area.y));
-        let last = across.major.last().map_or(0.0, |(value, text)| {
-            0.5 * text::width(text, SMALL) - (self.plot_area.frame.to[0] - self.plot_area.x.place(*value))
+    pub(crate) fn label_margins(&self) -> Margins {
+        let (horizontal, vertical) = (self.x_ticks(), vertical_ticks(&self.plot_area.y));
+        let last = horizontal.major.last().map_or(0.0, |(value, text)| {
+            0.5 * text::width(text, SMALL) - (self.plot_area.frame.to[0] - self.plot_area.x.place_of(*value))
         });
-        let numbers = if self.y.tick_labels { GAP + widest(&up) + GAP + NORMAL } else { 0.0 };
+        let numbers = if self.y.tick_labels { GAP + widest_label(&vertical) + GAP + NORMAL } else { 0.0 };
         let below = if self.x.tick_labels { GAP + SMALL + GAP + NORMAL } else { 0.0 };
         let right = if self.x.tick_labels { last.max(0.0) + 1.0 } else { 1.0 };
         Margins { left: TICK + numbers, right, top: 0.5 * SMALL, bottom: TICK + below, beyond: 0.0 }
@@ -65,26 +65,26 @@ impl<'a> Frame<'a> {
     fn x_ticks(&self) -> Ticks {
         // the width of a label depends on the digits, hence on the number of ticks: a first guess gives the width
         let first = self.plot_area.x.ticks(APART_X + 12.0);
-        self.plot_area.x.ticks(APART_X + widest(&first))
+        self.plot_area.x.ticks(APART_X + widest_label(&first))
     }
 
     /// Grid lines at the major ticks, under everything else.
     pub(crate) fn draw_grid(&self, canvas: &mut Canvas) {
         let Area { from, to } = self.plot_area.frame;
         for (value, _) in self.x_ticks().major {
-            let x = self.plot_area.x.place(value);
-            canvas.segment([x, from[1]], [x, to[1]], GRID_LINE, palette::FAINT);
+            let x = self.plot_area.x.place_of(value);
+            canvas.draw_segment([x, from[1]], [x, to[1]], GRID_LINE, palette::FAINT);
         }
         for (value, _) in vertical_ticks(&self.plot_area.y).major {
-            let y = self.plot_area.y.place(value);
-            canvas.segment([from[0], y], [to[0], y], GRID_LINE, palette::FAINT);
+            let y = self.plot_area.y.place_of(value);
+            canvas.draw_segment([from[0], y], [to[0], y], GRID_LINE, palette::FAINT);
         }
     }
 
     /// Box, ticks and labels, over everything else.
-    pub fn draw(&self, canvas: &mut Canvas) {
+    pub fn draw_frame(&self, canvas: &mut Canvas) {
         let Area { from, to } = self.plot_area.frame;
-        canvas.outline(self.plot_area.frame, BOX_LINE, palette::BLACK);
+        canvas.draw_outline(self.plot_area.frame, BOX_LINE, palette::BLACK);
         self.draw_x(canvas, to[1]);
         self.draw_y(canvas, from[0]);
     }
@@ -92,39 +92,41 @@ impl<'a> Frame<'a> {
     fn draw_x(&self, canvas: &mut Canvas, base: f64) {
         let ticks = self.x_ticks();
         for value in &ticks.minor {
-            let x = self.plot_area.x.place(*value);
-            canvas.segment([x, base], [x, base + 0.6 * TICK], GRID_LINE, palette::BLACK);
+            let x = self.plot_area.x.place_of(*value);
+            canvas.draw_segment([x, base], [x, base + 0.6 * TICK], GRID_LINE, palette::BLACK);
         }
         for (value, text) in &ticks.major {
-            let x = self.plot_area.x.place(*value);
-            canvas.segment([x, base], [x, base + TICK], BOX_LINE, palette::BLACK);
+            let x = self.plot_area.x.place_of(*value);
+            canvas.draw_segment([x, base], [x, base + TICK], BOX_LINE, palette::BLACK);
             if self.x.tick_labels {
-                canvas.text(TextItem::new([x, base + TICK + GAP + 0.4 * SMALL], text, SMALL));
+                canvas.draw_text(TextItem::new([x, base + TICK + GAP + 0.4 * SMALL], text, SMALL));
             }
         }
         if self.x.tick_labels {
             let below = base + TICK + GAP + SMALL + GAP + 0.4 * NORMAL;
-            let at = [self.plot_area.frame.centre()[0], below];
-            canvas.text(TextItem::new(at, &self.x.title(), NORMAL));
+            let position = [self.plot_area.frame.centre()[0], below];
+            canvas.draw_text(TextItem::new(position, &self.x.full_title(), NORMAL));
         }
     }
 
     fn draw_y(&self, canvas: &mut Canvas, base: f64) {
         let ticks = vertical_ticks(&self.plot_area.y);
         for value in &ticks.minor {
-            let y = self.plot_area.y.place(*value);
-            canvas.segment([base - 0.6 * TICK, y], [base, y], GRID_LINE, palette::BLACK);
+            let y = self.plot_area.y.place_of(*value);
+            canvas.draw_segment([base - 0.6 * TICK, y], [base, y], GRID_LINE, palette::BLACK);
         }
         for (value, text) in &ticks.major {
-            let y = self.plot_area.y.place(*value);
-            canvas.segment([base - TICK, y], [base, y], BOX_LINE, palette::BLACK);
+            let y = self.plot_area.y.place_of(*value);
+            canvas.draw_segment([base - TICK, y], [base, y], BOX_LINE, palette::BLACK);
             if self.y.tick_labels {
-                canvas.text(TextItem::new([base - TICK - GAP, y], text, SMALL).side(Side::Left));
+                canvas.draw_text(TextItem::new([base - TICK - GAP, y], text, SMALL).side(Side::Left));
             }
         }
         if self.y.tick_labels {
-            let x = base - TICK - GAP - widest(&ticks) - GAP - 0.6 * NORMAL;
-            canvas.text(TextItem::new([x, self.plot_area.frame.centre()[1]], &self.y.title(), NORMAL).vertical());
+            let x = base - TICK - GAP - widest_label(&ticks) - GAP - 0.6 * NORMAL;
+            canvas.draw_text(
+                TextItem::new([x, self.plot_area.frame.centre()[1]], &self.y.full_title(), NORMAL).vertical(),
+            );
         }
     }
 }
@@ -135,6 +137,6 @@ pub(crate) fn vertical_ticks(ruler: &Ruler) -> Ticks {
 }
 
 /// Width of the widest tick label.
-pub fn widest(ticks: &Ticks) -> f64 {
+pub fn widest_label(ticks: &Ticks) -> f64 {
     ticks.major.iter().map(|(_, t)| text::width(t, SMALL)).fold(0.0, f64::max)
 }

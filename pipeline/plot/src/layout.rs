@@ -10,7 +10,7 @@ use crate::canvas::{Area, Canvas, POINTS_PER_MM, TextItem};
 use crate::figure::{Figure, Placed, SVG_BYTES_LIMIT};
 use crate::frame::{NORMAL, SMALL};
 use crate::panel::{Draw, LegendPlacement, Margins};
-use crate::text::wrapped;
+use crate::text::wrap_text;
 use crate::{PlotError, Side, palette, svg};
 
 /// Between two rows or columns.
@@ -43,8 +43,8 @@ impl Figure {
     /// [`PlotError`] when an axis cannot show a number, a frame is too small, or the text is above [`SVG_BYTES_LIMIT`].
     pub fn svg(&self) -> Result<String, PlotError> {
         let mut canvas = Canvas::default();
-        let page = draw(self, &mut canvas)?;
-        let text = svg::write(&canvas, page)?;
+        let page = draw_figure(self, &mut canvas)?;
+        let text = svg::write_svg(&canvas, page)?;
         match text.len() {
             bytes if bytes > SVG_BYTES_LIMIT => Err(PlotError::TooLarge { bytes, limit: SVG_BYTES_LIMIT }),
             _ => Ok(text),
@@ -53,27 +53,27 @@ impl Figure {
 }
 
 /// Draws a figure and returns the size of its page, in points of print.
-fn draw(figure: &Figure, canvas: &mut Canvas) -> Result<Point2, PlotError> {
-    let mut layouts = layouts(figure)?;
+fn draw_figure(figure: &Figure, canvas: &mut Canvas) -> Result<Point2, PlotError> {
+    let mut layouts = panel_layouts(figure)?;
     for layout in &layouts {
-        layout.draw().check()?;
+        layout.as_drawable().check_content()?;
     }
     // each pass moves at least one legend over its frame and none back, so the loop ends
     let frames = loop {
-        let frames = frames(&layouts)?;
-        let mut moved = false;
+        let frames = panel_frames(&layouts)?;
+        let mut legend_moved = false;
         for (layout, frame) in layouts.iter_mut().zip(&frames) {
-            if layout.legend == LegendPlacement::Inside && !layout.draw().legend_fits(*frame)? {
+            if layout.legend == LegendPlacement::Inside && !layout.as_drawable().legend_fits(*frame)? {
                 layout.legend = LegendPlacement::Over;
-                moved = true;
+                legend_moved = true;
             }
         }
-        if !moved {
+        if !legend_moved {
             break frames;
         }
     };
     for (layout, frame) in layouts.iter().zip(frames) {
-        layout.draw().draw(canvas, frame, layout.legend)?;
+        layout.as_drawable().draw_panel(canvas, frame, layout.legend)?;
         layout.draw_header(canvas);
     }
     Ok(draw_title_and_note(figure, canvas, layouts.iter().map(|s| s.cell.to[1]).fold(0.0, f64::max)))
@@ -83,23 +83,23 @@ fn draw(figure: &Figure, canvas: &mut Canvas) -> Result<Point2, PlotError> {
 fn draw_title_and_note(figure: &Figure, canvas: &mut Canvas, bottom: f64) -> Point2 {
     let width = figure.width_mm * POINTS_PER_MM;
     if let Some(title) = &figure.title {
-        canvas.text(bold([EDGE, EDGE + 0.5 * HEADER], title));
+        canvas.draw_text(bold_text([EDGE, EDGE + 0.5 * HEADER], title));
     }
     let Some(note) = &figure.note else { return [width, bottom + EDGE] };
-    let lines = wrapped(note, width - 2.0 * EDGE, SMALL);
+    let lines = wrap_text(note, width - 2.0 * EDGE, SMALL);
     for (k, line) in lines.iter().enumerate() {
         let text = TextItem::new([width - EDGE, bottom + (k as f64 + 0.5) * NORMAL + 2.0], line, SMALL);
-        canvas.text(text.side(Side::Left).colour(palette::MUTED));
+        canvas.draw_text(text.side(Side::Left).colour(palette::MUTED));
     }
     [width, bottom + lines.len() as f64 * NORMAL + 2.0 + EDGE]
 }
 
-fn bold(at: Point2, text: &str) -> TextItem {
+fn bold_text(at: Point2, text: &str) -> TextItem {
     TextItem::new(at, text, LABEL_SIZE).side(Side::Right).bold()
 }
 
 /// Cells and labels of all panels, row after row.
-fn layouts(figure: &Figure) -> Result<Vec<PanelLayout<'_>>, PlotError> {
+fn panel_layouts(figure: &Figure) -> Result<Vec<PanelLayout<'_>>, PlotError> {
     if figure.rows.iter().any(|r| r.panels.is_empty()) || figure.rows.is_empty() {
         return Err(PlotError::Empty {
             what: if figure.rows.is_empty() { "the figure" } else { "a row of the figure" },
@@ -129,31 +129,34 @@ fn layouts(figure: &Figure) -> Result<Vec<PanelLayout<'_>>, PlotError> {
 }
 
 /// The frames of all panels, with shared margins where cells begin or end at the same x.
-fn frames(layouts: &[PanelLayout]) -> Result<Vec<Area>, PlotError> {
-    let own: Vec<_> = layouts.iter().map(PanelLayout::margins).collect::<Result<_, _>>()?;
+fn panel_frames(layouts: &[PanelLayout]) -> Result<Vec<Area>, PlotError> {
+    let own_margins: Vec<_> = layouts.iter().map(PanelLayout::panel_margins).collect::<Result<_, _>>()?;
     let widest = |side: fn(&Margins) -> f64, together: &dyn Fn(&PanelLayout) -> bool| {
-        let with = layouts.iter().zip(&own).filter(|(s, _)| together(s));
-        with.filter_map(|(_, m)| m.as_ref()).map(side).fold(0.0, f64::max)
+        let panels = layouts.iter().zip(&own_margins).filter(|(s, _)| together(s));
+        panels.filter_map(|(_, m)| m.as_ref()).map(side).fold(0.0, f64::max)
     };
-    let near = |a: f64, b: f64| (a - b).abs() < 0.5;
+    let is_same = |a: f64, b: f64| (a - b).abs() < 0.5;
     let frame = |(index, layout): (usize, &PanelLayout)| {
-        let body = layout.body();
-        let Some(alone) = own[index] else { return Ok(body) };
+        let body = layout.cell_body();
+        let Some(alone) = own_margins[index] else { return Ok(body) };
         let margins = Margins {
-            left: widest(|m| m.left, &|s| near(s.cell.from[0], layout.cell.from[0])),
-            right: widest(|m| m.right, &|s| near(s.cell.to[0], layout.cell.to[0])),
+            left: widest(|m| m.left, &|s| is_same(s.cell.from[0], layout.cell.from[0])),
+            right: widest(|m| m.right, &|s| is_same(s.cell.to[0], layout.cell.to[0])),
             top: widest(|m| m.top, &|s| s.row == layout.row),
             bottom: widest(|m| m.bottom, &|s| s.row == layout.row),
             beyond: alone.beyond,
         };
         let from = [body.from[0] + margins.left, body.from[1] + margins.top];
-        checked(index, Area { from, to: [body.to[0] - margins.right - margins.beyond, body.to[1] - margins.bottom] })
+        check_frame(
+            index,
+            Area { from, to: [body.to[0] - margins.right - margins.beyond, body.to[1] - margins.bottom] },
+        )
     };
     layouts.iter().enumerate().map(frame).collect()
 }
 
 /// Refuses a frame below the least size.
-fn checked(index: usize, frame: Area) -> Result<Area, PlotError> {
+fn check_frame(index: usize, frame: Area) -> Result<Area, PlotError> {
     let [width, height] = [frame.width(), frame.height()].map(|v| v / POINTS_PER_MM);
     match width.min(height) < LEAST_MM {
         true => Err(PlotError::TooSmall { panel: index + 1, width, height, least: LEAST_MM }),
@@ -162,34 +165,34 @@ fn checked(index: usize, frame: Area) -> Result<Area, PlotError> {
 }
 
 impl PanelLayout<'_> {
-    fn draw(&self) -> &dyn Draw {
+    fn as_drawable(&self) -> &dyn Draw {
         self.placed.panel.as_draw()
     }
 
     /// The margins of the frame; a legend over the frame is placed beside the panel's label when there is no title.
-    fn margins(&self) -> Result<Option<Margins>, PlotError> {
-        let beside = self.legend == LegendPlacement::Over && self.placed.title.is_none();
-        let raised = |m: Margins| match beside && m.left > LABEL_CLEARANCE {
+    fn panel_margins(&self) -> Result<Option<Margins>, PlotError> {
+        let is_beside_label = self.legend == LegendPlacement::Over && self.placed.title.is_none();
+        let raised = |m: Margins| match is_beside_label && m.left > LABEL_CLEARANCE {
             true => Margins { top: (m.top - self.header).max(0.5 * SMALL), ..m },
             false => m,
         };
-        Ok(self.draw().margins(self.body(), self.legend)?.map(raised))
+        Ok(self.as_drawable().frame_margins(self.cell_body(), self.legend)?.map(raised))
     }
 
     /// The cell without its header.
-    fn body(&self) -> Area {
+    fn cell_body(&self) -> Area {
         Area { from: [self.cell.from[0], self.cell.from[1] + self.header], to: self.cell.to }
     }
 
     fn draw_header(&self, canvas: &mut Canvas) {
-        let mut at = [self.cell.from[0], self.cell.from[1] + 0.4 * HEADER];
+        let mut position = [self.cell.from[0], self.cell.from[1] + 0.4 * HEADER];
         if let Some(label) = &self.label {
-            let label = bold(at, label);
-            at[0] = label.area().to[0] + 4.0;
-            canvas.text(label);
+            let label = bold_text(position, label);
+            position[0] = label.text_area().to[0] + 4.0;
+            canvas.draw_text(label);
         }
         if let Some(title) = &self.placed.title {
-            canvas.text(TextItem::new(at, title, NORMAL).side(Side::Right));
+            canvas.draw_text(TextItem::new(position, title, NORMAL).side(Side::Right));
         }
     }
 }
@@ -209,7 +212,7 @@ mod tests {
 
     fn texts(figure: &Figure) -> (Point2, Vec<TextItem>) {
         let mut canvas = Canvas::default();
-        let page = draw(figure, &mut canvas).unwrap();
+        let page = draw_figure(figure, &mut canvas).unwrap();
         let text = |item: Item| if let Item::Text(text) = item { Some(text) } else { None };
         (page, canvas.items.into_iter().filter_map(text).collect())
     }
@@ -228,7 +231,7 @@ mod tests {
         let (_, texts) = texts(&four_panels());
         for (i, a) in texts.iter().enumerate() {
             for b in &texts[i + 1..] {
-                assert!(!a.area().intersects(&b.area()), "`{}` and `{}`", a.text, b.text);
+                assert!(!a.text_area().intersects(&b.text_area()), "`{}` and `{}`", a.text, b.text);
             }
         }
     }
@@ -238,7 +241,7 @@ mod tests {
         let (page, texts) = texts(&four_panels());
         let paper = Area { from: [0.0; 2], to: page };
         for text in texts {
-            let area = text.area();
+            let area = text.text_area();
             assert!(paper.contains(area.from) && paper.contains(area.to), "`{}` at {area:?} of {page:?}", text.text);
         }
     }
@@ -248,8 +251,8 @@ mod tests {
         let figure = Figure::new(SINGLE_COLUMN_MM)
             .row(40.0, [Panel::Axes(axes("mm", 1e-4))])
             .row(40.0, [Panel::Axes(axes("mm", 1.0))]);
-        let layouts = layouts(&figure).unwrap();
-        let frames = frames(&layouts).unwrap();
+        let layouts = panel_layouts(&figure).unwrap();
+        let frames = panel_frames(&layouts).unwrap();
         assert_eq!((frames[0].from[0], frames[0].to[0]), (frames[1].from[0], frames[1].to[0]));
     }
 
@@ -259,6 +262,6 @@ mod tests {
         let letters: Vec<_> = texts.iter().filter(|t| t.bold && t.text.starts_with('(')).map(|t| &t.text).collect();
         assert_eq!(letters, ["(a)", "(b)", "(c)", "(d)"]);
         let single = Figure::new(SINGLE_COLUMN_MM).row(40.0, [Panel::Axes(axes("mm", 1.0))]);
-        assert!(layouts(&single).unwrap()[0].label.is_none());
+        assert!(panel_layouts(&single).unwrap()[0].label.is_none());
     }
 }

@@ -20,16 +20,16 @@ const BETWEEN: f64 = 8.0;
 const CLEAR: f64 = 3.0;
 
 /// The marks that are listed.
-pub fn listed(marks: &[Mark]) -> Vec<&Mark> {
+pub fn listed_marks(marks: &[Mark]) -> Vec<&Mark> {
     marks.iter().filter(|m| m.label.is_some()).collect()
 }
 
-fn label(mark: &Mark) -> &str {
+fn mark_label(mark: &Mark) -> &str {
     mark.label.as_deref().unwrap_or("")
 }
 
 fn entry_width(mark: &Mark) -> f64 {
-    SAMPLE + GAP + text::width(label(mark), SMALL)
+    SAMPLE + GAP + text::width(mark_label(mark), SMALL)
 }
 
 /// The first place in a frame where the legend covers nothing that is drawn.
@@ -43,8 +43,8 @@ pub(crate) fn free_place(entries: &[&Mark], frame: Area, drawn: &Canvas) -> Opti
     }
     // corners first, then the middles of the sides; the right upper corner is the usual place
     let fractions = [[1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [0.5, 1.0], [1.0, 0.5], [0.0, 0.5]];
-    let place = |f: &Point2| Area::new([inner.from[0] + f[0] * free[0], inner.from[1] + f[1] * free[1]], size);
-    fractions.iter().map(place).find(|area| !drawn.touches(&area.grown(0.8 * CLEAR)))
+    let area_at = |f: &Point2| Area::new([inner.from[0] + f[0] * free[0], inner.from[1] + f[1] * free[1]], size);
+    fractions.iter().map(area_at).find(|area| !drawn.touches_area(&area.grown(0.8 * CLEAR)))
 }
 
 /// Draws the entries under each other.
@@ -52,14 +52,14 @@ pub(crate) fn draw_inside(canvas: &mut Canvas, entries: &[&Mark], area: Area) {
     if entries.is_empty() {
         return;
     }
-    canvas.filled(area.grown(1.0), palette::PAPER, 0.85);
+    canvas.fill_area(area.grown(1.0), palette::PAPER, 0.85);
     for (i, mark) in entries.iter().enumerate() {
-        entry(canvas, mark, [area.from[0], area.from[1] + (i as f64 + 0.5) * LINE]);
+        draw_entry(canvas, mark, [area.from[0], area.from[1] + (i as f64 + 0.5) * LINE]);
     }
 }
 
 /// The entries in lines that fit a width: how many go into each.
-fn lines(entries: &[&Mark], width: f64) -> Vec<usize> {
+fn entries_per_line(entries: &[&Mark], width: f64) -> Vec<usize> {
     let mut lines = vec![0];
     let mut used = 0.0;
     for mark in entries {
@@ -78,38 +78,39 @@ fn lines(entries: &[&Mark], width: f64) -> Vec<usize> {
 
 /// The height that the legend takes over a frame of this width.
 pub(crate) fn height_over(entries: &[&Mark], width: f64) -> f64 {
-    if entries.is_empty() { 0.0 } else { lines(entries, width).len() as f64 * LINE + CLEAR - 1.0 }
+    if entries.is_empty() { 0.0 } else { entries_per_line(entries, width).len() as f64 * LINE + CLEAR - 1.0 }
 }
 
 /// Draws the entries over a frame, beginning at its left side.
 pub(crate) fn draw_over(canvas: &mut Canvas, entries: &[&Mark], frame: Area) {
-    let lines = lines(entries, frame.width());
+    let lines = entries_per_line(entries, frame.width());
     let top = frame.from[1] - CLEAR + 1.0 - lines.len() as f64 * LINE;
-    let mut rest = entries;
+    let mut remaining = entries;
     for (row, count) in lines.into_iter().enumerate() {
-        let (now, later) = rest.split_at(count);
+        let (now, later) = remaining.split_at(count);
         let mut x = frame.from[0];
         for mark in now {
-            entry(canvas, mark, [x, top + (row as f64 + 0.5) * LINE]);
+            draw_entry(canvas, mark, [x, top + (row as f64 + 0.5) * LINE]);
             x += entry_width(mark) + BETWEEN;
         }
-        rest = later;
+        remaining = later;
     }
 }
 
-/// One entry; `at` is the left end of its middle line.
-fn entry(canvas: &mut Canvas, mark: &Mark, at: Point2) {
-    let middle = [at[0] + 0.5 * SAMPLE, at[1]];
+/// One entry; `left_end` is the left end of its middle line.
+fn draw_entry(canvas: &mut Canvas, mark: &Mark, left_end: Point2) {
+    let middle = [left_end[0] + 0.5 * SAMPLE, left_end[1]];
     match &mark.shape {
         Shape::Points { marker, .. } => draw_marker(canvas, &mark.clone().sized(mark.size.min(6.0)), middle, *marker),
         Shape::Band { .. } | Shape::Area(_) | Shape::Span(..) => {
-            let swatch = Area { from: [at[0], at[1] - 2.6], to: [at[0] + SAMPLE, at[1] + 2.6] };
-            canvas.filled(swatch, mark.colour, mark.opacity);
+            let swatch = Area { from: [left_end[0], left_end[1] - 2.6], to: [left_end[0] + SAMPLE, left_end[1] + 2.6] };
+            canvas.fill_area(swatch, mark.colour, mark.opacity);
         }
         Shape::Text { .. } => {}
-        Shape::Line(_) | Shape::HorizontalLine(_) | Shape::VerticalLine(_) => line_sample(canvas, mark, at),
+        Shape::Line(_) | Shape::HorizontalLine(_) | Shape::VerticalLine(_) => line_sample(canvas, mark, left_end),
     }
-    canvas.text(TextItem::new([at[0] + SAMPLE + GAP, at[1]], label(mark), SMALL).side(Side::Right));
+    canvas
+        .draw_text(TextItem::new([left_end[0] + SAMPLE + GAP, left_end[1]], mark_label(mark), SMALL).side(Side::Right));
 }
 
 /// A sample of the mark's line, with a dark outline when it has the colour of the paper.
@@ -138,9 +139,9 @@ mod tests {
     fn a_legend_is_placed_where_no_line_passes() {
         let (a, b) = (mark("measured"), mark("simulated"));
         let mut drawn = Canvas::default();
-        drawn.path(vec![[0.0, 90.0], [190.0, 0.0]], 1.0, Dash::Solid, Colour(0, 0, 0));
+        drawn.draw_path(vec![[0.0, 90.0], [190.0, 0.0]], 1.0, Dash::Solid, Colour(0, 0, 0));
         let place = free_place(&[&a, &b], FRAME, &drawn).unwrap();
-        assert!(!drawn.touches(&place));
+        assert!(!drawn.touches_area(&place));
         assert!(place.to[0] < 100.0, "the line ends in the right upper corner, so the left one is taken");
     }
 
@@ -148,7 +149,7 @@ mod tests {
     fn a_full_frame_leaves_no_place() {
         let a = mark("measured");
         let mut drawn = Canvas::default();
-        drawn.filled(FRAME, Colour(0, 0, 0), 1.0);
+        drawn.fill_area(FRAME, Colour(0, 0, 0), 1.0);
         assert!(free_place(&[&a], FRAME, &drawn).is_none());
     }
 
@@ -156,8 +157,8 @@ mod tests {
     fn entries_that_are_too_wide_for_one_line_take_two() {
         let marks = ["one", "two", "three", "four"].map(mark);
         let entries: Vec<&Mark> = marks.iter().collect();
-        assert_eq!(lines(&entries, 1000.0), vec![4]);
-        assert_eq!(lines(&entries, 90.0), vec![2, 2]);
+        assert_eq!(entries_per_line(&entries, 1000.0), vec![4]);
+        assert_eq!(entries_per_line(&entries, 90.0), vec![2, 2]);
     }
 
     #[test]
@@ -175,7 +176,11 @@ mod tests {
         draw_over(&mut canvas, &entries, frame);
         let upper = 100.0 - height_over(&entries, 100.0);
         let between = |from: f64, to: f64| Area { from: [-500.0, from], to: [500.0, to] };
-        assert!(!canvas.touches(&between(0.0, upper)) && !canvas.touches(&between(100.0 - CLEAR + 1.0, 300.0)));
-        assert!(canvas.touches(&between(upper, upper + LINE)) && canvas.touches(&between(upper + LINE, 100.0)));
+        assert!(
+            !canvas.touches_area(&between(0.0, upper)) && !canvas.touches_area(&between(100.0 - CLEAR + 1.0, 300.0))
+        );
+        assert!(
+            canvas.touches_area(&between(upper, upper + LINE)) && canvas.touches_area(&between(upper + LINE, 100.0))
+        );
     }
 }

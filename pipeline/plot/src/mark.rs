@@ -215,10 +215,10 @@ impl Mark {
 
     /// Refuses numbers that are not finite, and lists of different lengths.
     pub(crate) fn check(&self) -> Result<(), PlotError> {
-        let what = || format!("the mark `{}`", self.label.as_deref().unwrap_or("without a label"));
+        let mark_name = || format!("the mark `{}`", self.label.as_deref().unwrap_or("without a label"));
         let same = |found: usize, expected: usize| match found == expected {
             true => Ok(()),
-            false => Err(PlotError::Length { what: what(), found, expected }),
+            false => Err(PlotError::Length { what: mark_name(), found, expected }),
         };
         match &self.shape {
             Shape::Points { at, error_bars: Some(half), .. } => same(half.len(), at.len())?,
@@ -227,7 +227,7 @@ impl Mark {
         }
         for values in [self.all_x(), self.all_y()] {
             if let Some(index) = values.iter().position(|v| !v.is_finite()) {
-                return Err(PlotError::NotFinite { what: what(), index, value: values[index] });
+                return Err(PlotError::NotFinite { what: mark_name(), index, value: values[index] });
             }
         }
         Ok(())

@@ -77,9 +77,9 @@ const VIRIDIS: [Colour; 9] = [
 
 /// The heat map's colour at a fraction 0 to 1 of the range; low is dark.
 pub fn heat(part: f64) -> Colour {
-    let place = part.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
-    let left = (place.floor() as usize).min(VIRIDIS.len() - 2);
-    VIRIDIS[left].towards(VIRIDIS[left + 1], place - left as f64)
+    let position = part.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+    let lower = (position.floor() as usize).min(VIRIDIS.len() - 2);
+    VIRIDIS[lower].towards(VIRIDIS[lower + 1], position - lower as f64)
 }
 
 impl Colour {

@@ -30,11 +30,11 @@ pub enum LegendPlacement {
 /// A panel that can be drawn.
 pub trait Draw {
     /// Refuses content that cannot be drawn, before the layout.
-    fn check(&self) -> Result<(), PlotError>;
+    fn check_content(&self) -> Result<(), PlotError>;
 
     /// The margins that its frame needs inside of a cell of this size, or `None` when it has no frame and fills its
     /// cell.
-    fn margins(&self, cell: Area, legend: LegendPlacement) -> Result<Option<Margins>, PlotError>;
+    fn frame_margins(&self, cell: Area, legend: LegendPlacement) -> Result<Option<Margins>, PlotError>;
 
     /// Whether the legend fits into this frame without covering data.
     fn legend_fits(&self, _frame: Area) -> Result<bool, PlotError> {
@@ -42,5 +42,5 @@ pub trait Draw {
     }
 
     /// Draws it; `frame` is the cell less the margins.
-    fn draw(&self, canvas: &mut Canvas, frame: Area, legend: LegendPlacement) -> Result<(), PlotError>;
+    fn draw_panel(&self, canvas: &mut Canvas, frame: Area, legend: LegendPlacement) -> Result<(), PlotError>;
 }

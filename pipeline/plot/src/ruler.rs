@@ -40,18 +40,18 @@ const FAMILIES: [(&[f64], i32); 8] = [
 
 impl Ruler {
     /// The place of a value.
-    pub fn place(&self, value: f64) -> f64 {
-        let linearised = |v| self.scale.linearised(v);
+    pub fn place_of(&self, value: f64) -> f64 {
+        let linearised = |v| self.scale.to_linear(v);
         let start = linearised(self.ends.0);
         let part = (linearised(value) - start) / (linearised(self.ends.1) - start);
         self.places.0 + part * (self.places.1 - self.places.0)
     }
 
     /// The value at a place.
-    pub fn value(&self, place: f64) -> f64 {
+    pub fn value_at(&self, place: f64) -> f64 {
         let part = (place - self.places.0) / (self.places.1 - self.places.0);
-        let (a, b) = (self.scale.linearised(self.ends.0), self.scale.linearised(self.ends.1));
-        self.scale.value(a + part * (b - a))
+        let (a, b) = (self.scale.to_linear(self.ends.0), self.scale.to_linear(self.ends.1));
+        self.scale.from_linear(a + part * (b - a))
     }
 
     /// Ticks at least `apart` from each other (points of print).
@@ -64,7 +64,7 @@ impl Ruler {
 
     fn linear_ticks(&self, most: f64) -> Ticks {
         let step = nice_step((self.ends.1 - self.ends.0) / most);
-        let values = multiples(step, self.ends);
+        let values = multiples_between(step, self.ends);
         let largest = self.ends.0.abs().max(self.ends.1.abs());
         let text = |v: f64| tick_label(v, step, largest);
         Ticks { major: values.into_iter().map(|v| (v, text(v))).collect(), minor: vec![] }
@@ -77,7 +77,7 @@ impl Ruler {
             let values = exponents.flat_map(|e| digits.iter().map(move |d| d * 10f64.powi(e)));
             values.filter(|v| self.contains(*v)).collect()
         };
-        let gap = |pair: &[f64]| (self.place(pair[1]) - self.place(pair[0])).abs();
+        let gap = |pair: &[f64]| (self.place_of(pair[1]) - self.place_of(pair[0])).abs();
         let fits = |values: &Vec<f64>| values.windows(2).all(|pair| gap(pair) >= apart);
         let families = FAMILIES.iter().map(|(digits, every)| family(digits, *every));
         let values = families.into_iter().find(fits).unwrap_or_default();
@@ -104,7 +104,7 @@ fn nice_step(least: f64) -> f64 {
 }
 
 /// The multiples of a step between two ends, with a tolerance of 10⁻⁹ of the step.
-fn multiples(step: f64, (low, high): (f64, f64)) -> Vec<f64> {
+fn multiples_between(step: f64, (low, high): (f64, f64)) -> Vec<f64> {
     let (from, to) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
     (from..=to).map(|k| k as f64 * step).collect()
 }
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn value_is_the_inverse_of_place() {
         let ruler = Ruler { scale: Scale::Log, ends: (0.02, 3.0), places: (90.0, 10.0) };
-        assert!((ruler.value(ruler.place(0.7)) - 0.7).abs() < 1e-12);
-        assert!((ruler.place(0.02) - 90.0).abs() < 1e-12);
+        assert!((ruler.value_at(ruler.place_of(0.7)) - 0.7).abs() < 1e-12);
+        assert!((ruler.place_of(0.02) - 90.0).abs() < 1e-12);
     }
 }

@@ -34,14 +34,16 @@ type Page<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 ///
 /// # Errors
 /// [`PlotError::Encoder`] when plotters refuses.
-pub fn write(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
+pub fn write_svg(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
     let grid = size.map(|v| (v * GRID).round() as u32);
     let mut body = String::new();
     for run in canvas.items.chunk_by(|a, b| !is_special(a) && !is_special(b)) {
         body += &match &run[0] {
-            Item::Picture { area, png } => picture(area.from, [area.width(), area.height()], png),
-            Item::Path { dash, width, .. } if *dash != Dash::Solid => dashed(&shapes(run, grid)?, *dash, *width),
-            _ => shapes(run, grid)?,
+            Item::Picture { area, png } => picture_element(area.from, [area.width(), area.height()], png),
+            Item::Path { dash, width, .. } if *dash != Dash::Solid => {
+                dashed_line(&plotters_shapes(run, grid)?, *dash, *width)
+            }
+            _ => plotters_shapes(run, grid)?,
         };
     }
     let mm = size.map(|v| v / POINTS_PER_MM);
@@ -63,7 +65,7 @@ fn is_special(item: &Item) -> bool {
 }
 
 /// A line of plotters with a dash pattern.
-fn dashed(line: &str, dash: Dash, width: f64) -> String {
+fn dashed_line(line: &str, dash: Dash, width: f64) -> String {
     let (on, off) = match dash {
         Dash::Dotted => (width.max(0.6), 1.5),
         _ => (3.2, 1.8),
@@ -73,48 +75,50 @@ fn dashed(line: &str, dash: Dash, width: f64) -> String {
 }
 
 /// A run of shapes as plotters writes them, without its root element and without attributes that the root holds.
-fn shapes(run: &[Item], grid: [u32; 2]) -> Result<String, PlotError> {
+fn plotters_shapes(run: &[Item], grid: [u32; 2]) -> Result<String, PlotError> {
     let mut text = String::new();
     {
         let page = SVGBackend::with_string(&mut text, (grid[0], grid[1])).into_drawing_area();
         for item in run {
-            draw(&page, item).map_err(|error| PlotError::Encoder { encoder: "svg", source: error.into() })?;
+            draw_item(&page, item).map_err(|error| PlotError::Encoder { encoder: "svg", source: error.into() })?;
         }
         page.present().map_err(|error| PlotError::Encoder { encoder: "svg", source: error.into() })?;
     }
     let lines = text.lines().filter(|line| !line.starts_with("<svg") && *line != "</svg>");
-    let mut kept: String = lines.flat_map(|line| [line, "\n"]).collect();
+    let mut elements: String = lines.flat_map(|line| [line, "\n"]).collect();
     for repeated in [" font-family=\"sans-serif\"", " opacity=\"1\"", " stroke=\"none\""] {
-        kept = kept.replace(repeated, "");
+        elements = elements.replace(repeated, "");
     }
-    Ok(kept.replace("\n</text>", "</text>"))
+    Ok(elements.replace("\n</text>", "</text>"))
 }
 
-fn draw(page: &Page, item: &Item) -> Result<(), DrawingError> {
+fn draw_item(page: &Page, item: &Item) -> Result<(), DrawingError> {
     match item {
-        Item::Path { points, width, colour, opacity, .. } => {
-            page.draw(&PathElement::new(snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, *width)))
-        }
-        Item::Polygon { points, colour, opacity } => {
-            page.draw(&Polygon::new(snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, 0.0).filled()))
-        }
+        Item::Path { points, width, colour, opacity, .. } => page.draw(&PathElement::new(
+            snapped_points(&thin::thin_line(points, TOLERANCE)),
+            stroke_style(*colour, *opacity, *width),
+        )),
+        Item::Polygon { points, colour, opacity } => page.draw(&Polygon::new(
+            snapped_points(&thin::thin_line(points, TOLERANCE)),
+            stroke_style(*colour, *opacity, 0.0).filled(),
+        )),
         Item::Disc { at, radius, line, colour, opacity } => {
-            let style = stroke(*colour, *opacity, line.unwrap_or(0.0));
+            let style = stroke_style(*colour, *opacity, line.unwrap_or(0.0));
             let style = if line.is_none() { style.filled() } else { style };
-            page.draw(&Circle::new(snap(*at), (radius * GRID).round() as u32, style))
+            page.draw(&Circle::new(snap_to_grid(*at), (radius * GRID).round() as u32, style))
         }
         Item::Text(text) => page.draw(&Text::new(text.text.as_str(), text_place(text), text_style(text))),
         Item::Picture { .. } => Ok(()),
     }
 }
 
-fn snap(p: Point2) -> (i32, i32) {
+fn snap_to_grid(p: Point2) -> (i32, i32) {
     ((p[0] * GRID).round() as i32, (p[1] * GRID).round() as i32)
 }
 
 /// Points on the grid, without repetitions.
-fn snapped(points: &[Point2]) -> Vec<(i32, i32)> {
-    let mut points: Vec<_> = points.iter().map(|p| snap(*p)).collect();
+fn snapped_points(points: &[Point2]) -> Vec<(i32, i32)> {
+    let mut points: Vec<_> = points.iter().map(|p| snap_to_grid(*p)).collect();
     points.dedup();
     points
 }
@@ -123,14 +127,14 @@ fn rgb(colour: Colour) -> RGBColor {
     RGBColor(colour.0, colour.1, colour.2)
 }
 
-fn stroke(colour: Colour, opacity: f64, width: f64) -> ShapeStyle {
+fn stroke_style(colour: Colour, opacity: f64, width: f64) -> ShapeStyle {
     ShapeStyle { color: rgb(colour).mix(opacity), filled: false, stroke_width: (width * GRID).round() as u32 }
 }
 
 /// The anchor for plotters at which half of the text's height is at its point.
 fn text_place(text: &TextItem) -> (i32, i32) {
     let lift = LIFT * text.size;
-    snap(match text.vertical {
+    snap_to_grid(match text.vertical {
         false => [text.at[0], text.at[1] + lift],
         true => [text.at[0] + lift, text.at[1]],
     })
@@ -148,8 +152,8 @@ fn text_style(text: &TextItem) -> TextStyle<'static> {
     TextStyle { pos: Pos::new(side, VPos::Center), ..font.transform(turn).color(&rgb(text.colour)) }
 }
 
-fn picture(at: Point2, size: Point2, png: &[u8]) -> String {
-    let ((x, y), (width, height)) = (snap(at), snap(size));
+fn picture_element(at: Point2, size: Point2, png: &[u8]) -> String {
+    let ((x, y), (width, height)) = (snap_to_grid(at), snap_to_grid(size));
     format!(
         "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
          xlink:href=\"data:image/png;base64,{}\"/>\n",

@@ -94,8 +94,9 @@ impl Table {
 
     /// The same table without the cells of measured durations; none when it has no column of them.
     pub fn without_durations(&self) -> Option<Self> {
-        let kept = |(column, cell): (&Column, &String)| if column.timed { String::new() } else { cell.clone() };
-        let rows = self.rows.iter().map(|row| self.columns.iter().zip(row).map(kept).collect()).collect();
+        let cell_or_empty =
+            |(column, cell): (&Column, &String)| if column.timed { String::new() } else { cell.clone() };
+        let rows = self.rows.iter().map(|row| self.columns.iter().zip(row).map(cell_or_empty).collect()).collect();
         self.columns.iter().any(|column| column.timed).then(|| Self { rows, ..self.clone() })
     }
 

@@ -21,7 +21,7 @@ impl Table {
             "" => c.head(),
             group => format!("{group}: {}", c.head()),
         };
-        let line = |cells: Vec<String>| cells.iter().map(|c| quoted(c)).collect::<Vec<_>>().join(",") + "\n";
+        let line = |cells: Vec<String>| cells.iter().map(|c| quote_cell(c)).collect::<Vec<_>>().join(",") + "\n";
         let rows = self.rows.iter().map(|row| line(row.clone()));
         std::iter::once(line(self.columns.iter().map(head).collect())).chain(rows).collect()
     }
@@ -34,18 +34,18 @@ impl Table {
         let mut tex = format!("\\begin{{tabular}}{{@{{}}{shape}@{{}}}}\n\\toprule\n");
         if self.columns.iter().any(|c| !c.group.is_empty()) {
             let head = |(head, from, to): &(&str, usize, usize)| match to - from {
-                1 => escaped(head),
-                span => format!("\\multicolumn{{{span}}}{{c}}{{{}}}", escaped(head)),
+                1 => escape_latex(head),
+                span => format!("\\multicolumn{{{span}}}{{c}}{{{}}}", escape_latex(head)),
             };
             tex += &line(self.groups().iter().map(head).collect());
             let rule = |(_, from, to): &(&str, usize, usize)| format!("\\cmidrule(lr){{{}-{to}}}", from + 1);
             tex += &self.groups().iter().filter(|g| g.2 - g.1 > 1).map(rule).collect::<Vec<_>>().join(" ");
             tex.push('\n');
         }
-        tex += &line(self.columns.iter().map(|c| escaped(&c.head())).collect());
+        tex += &line(self.columns.iter().map(|c| escape_latex(&c.head())).collect());
         tex += "\\midrule\n";
         for row in &self.rows {
-            tex += &line(row.iter().map(|cell| escaped(shown(cell))).collect());
+            tex += &line(row.iter().map(|cell| escape_latex(shown_cell(cell))).collect());
         }
         tex + "\\bottomrule\n\\end{tabular}\n"
     }
@@ -55,73 +55,73 @@ impl Table {
     /// # Errors
     /// [`PlotError::Encoder`] when plotters refuses.
     pub fn svg(&self) -> Result<String, PlotError> {
-        let ends = self.ends();
+        let ends = self.column_ends();
         let right = ends.last().map_or(0.0, |e| e.1);
         let mut canvas = Canvas::default();
         let mut y = EDGE;
-        rule(&mut canvas, (EDGE, right), y, 0.9);
+        draw_rule(&mut canvas, (EDGE, right), y, 0.9);
         if self.columns.iter().any(|c| !c.group.is_empty()) {
             y += ROW;
             self.draw_groups(&mut canvas, &ends, y);
         }
         y += ROW;
         for (column, end) in self.columns.iter().zip(&ends) {
-            canvas.text(cell(column, *end, y - 0.5 * ROW, &column.head()).bold());
+            canvas.draw_text(cell_text(column, *end, y - 0.5 * ROW, &column.head()).bold());
         }
-        rule(&mut canvas, (EDGE, right), y, 0.6);
+        draw_rule(&mut canvas, (EDGE, right), y, 0.6);
         for row in &self.rows {
             y += ROW;
             for ((column, end), text) in self.columns.iter().zip(&ends).zip(row) {
-                canvas.text(cell(column, *end, y - 0.5 * ROW, shown(text)));
+                canvas.draw_text(cell_text(column, *end, y - 0.5 * ROW, shown_cell(text)));
             }
         }
-        rule(&mut canvas, (EDGE, right), y + 0.5, 0.9);
+        draw_rule(&mut canvas, (EDGE, right), y + 0.5, 0.9);
         if let Some(note) = &self.note {
             y += ROW;
             let text = TextItem::new([EDGE, y - 0.35 * ROW], note, SMALL);
-            canvas.text(text.side(Side::Right).colour(palette::MUTED));
+            canvas.draw_text(text.side(Side::Right).colour(palette::MUTED));
         }
         let note = self.note.as_ref().map_or(0.0, |n| text::width(n, SMALL) + EDGE);
-        svg::write(&canvas, [right.max(note) + EDGE, y + EDGE + 0.01 * POINTS_PER_MM])
+        svg::write_svg(&canvas, [right.max(note) + EDGE, y + EDGE + 0.01 * POINTS_PER_MM])
     }
 
     /// Left and right end of each column's cells, in points of print.
-    fn ends(&self) -> Vec<(f64, f64)> {
+    fn column_ends(&self) -> Vec<(f64, f64)> {
         let mut widths: Vec<f64> = (0..self.columns.len()).map(|i| self.column_width(i)).collect();
         for (head, from, to) in self.groups() {
             let inner: f64 = widths[from..to].iter().sum::<f64>() + APART * (to - from - 1) as f64;
             let more = (text::width(head, NORMAL) * text::BOLD - inner).max(0.0) / (to - from) as f64;
             widths[from..to].iter_mut().for_each(|w| *w += more);
         }
-        let place = |x: &mut f64, w: f64| {
+        let next_ends = |x: &mut f64, w: f64| {
             let end = (*x, *x + w);
             *x += w + APART;
             Some(end)
         };
-        widths.into_iter().scan(EDGE, place).collect()
+        widths.into_iter().scan(EDGE, next_ends).collect()
     }
 
     fn column_width(&self, i: usize) -> f64 {
         let head = text::width(&self.columns[i].head(), NORMAL) * text::BOLD;
-        self.rows.iter().map(|row| text::width(shown(&row[i]), NORMAL)).fold(head, f64::max)
+        self.rows.iter().map(|row| text::width(shown_cell(&row[i]), NORMAL)).fold(head, f64::max)
     }
 
     fn draw_groups(&self, canvas: &mut Canvas, ends: &[(f64, f64)], y: f64) {
         for (head, from, to) in self.groups().into_iter().filter(|g| !g.0.is_empty()) {
             let (left, right) = (ends[from].0, ends[to - 1].1);
-            let at = [0.5 * (left + right), y - 0.5 * ROW];
-            canvas.text(TextItem::new(at, head, NORMAL).bold());
-            rule(canvas, (left, right), y, 0.4);
+            let position = [0.5 * (left + right), y - 0.5 * ROW];
+            canvas.draw_text(TextItem::new(position, head, NORMAL).bold());
+            draw_rule(canvas, (left, right), y, 0.4);
         }
     }
 }
 
-fn rule(canvas: &mut Canvas, (from, to): (f64, f64), y: f64, width: f64) {
-    canvas.segment([from, y], [to, y], width, palette::BLACK);
+fn draw_rule(canvas: &mut Canvas, (from, to): (f64, f64), y: f64, width: f64) {
+    canvas.draw_segment([from, y], [to, y], width, palette::BLACK);
 }
 
 /// The text of a cell, aligned in its column.
-fn cell(column: &Column, (left, right): (f64, f64), y: f64, text: &str) -> TextItem {
+fn cell_text(column: &Column, (left, right): (f64, f64), y: f64, text: &str) -> TextItem {
     let colour = if column.published { palette::MUTED } else { palette::BLACK };
     let (x, side) = match column.alignment {
         Alignment::Left => (left, Side::Right),
@@ -130,12 +130,12 @@ fn cell(column: &Column, (left, right): (f64, f64), y: f64, text: &str) -> TextI
     TextItem::new([x, y], text, NORMAL).side(side).colour(colour)
 }
 
-fn shown(cell: &str) -> &str {
+fn shown_cell(cell: &str) -> &str {
     if cell.is_empty() { NONE } else { cell }
 }
 
 /// A cell of CSV, in quotes when it needs them (RFC 4180).
-fn quoted(cell: &str) -> String {
+fn quote_cell(cell: &str) -> String {
     match cell.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", cell.replace('"', "\"\"")),
         false => cell.to_owned(),
@@ -143,8 +143,8 @@ fn quoted(cell: &str) -> String {
 }
 
 /// Text with LaTeX's special characters escaped.
-fn escaped(text: &str) -> String {
-    let one = |c: char| match c {
+fn escape_latex(text: &str) -> String {
+    let escape = |c: char| match c {
         '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{c}"),
         '~' => "\\textasciitilde{}".to_owned(),
         '^' => "\\textasciicircum{}".to_owned(),
@@ -156,7 +156,7 @@ fn escaped(text: &str) -> String {
         '–' => "--".to_owned(),
         _ => c.to_string(),
     };
-    text.chars().map(one).collect()
+    text.chars().map(escape).collect()
 }
 
 #[cfg(test)]
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn what_latex_would_take_for_a_command_or_does_not_know_is_written_as_a_command() {
-        assert_eq!(escaped("a_1 × 5 % ± 2·x"), "a\\_1 $\\times$ 5 \\% $\\pm$ 2$\\cdot$x");
-        assert_eq!(escaped("−1–2 ~ ^ \\"), "$-$1--2 \\textasciitilde{} \\textasciicircum{} \\textbackslash{}");
+        assert_eq!(escape_latex("a_1 × 5 % ± 2·x"), "a\\_1 $\\times$ 5 \\% $\\pm$ 2$\\cdot$x");
+        assert_eq!(escape_latex("−1–2 ~ ^ \\"), "$-$1--2 \\textasciitilde{} \\textasciicircum{} \\textbackslash{}");
     }
 }

@@ -46,7 +46,7 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
 }
 
 /// Text in lines no wider than `limit`, broken at spaces; a word that is wider has a line of its own.
-pub(crate) fn wrapped(text: &str, limit: f64, size: f64) -> Vec<String> {
+pub(crate) fn wrap_text(text: &str, limit: f64, size: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
@@ -82,14 +82,14 @@ mod tests {
     #[test]
     fn wrapped_lines_hold_all_words_and_none_is_too_wide() {
         let words = "a film becomes the markers' places in pixels";
-        let lines = wrapped(words, 60.0, 5.4);
+        let lines = wrap_text(words, 60.0, 5.4);
         assert_eq!(lines.join(" "), words);
         assert!(lines.len() > 1 && lines.iter().all(|l| width(l, 5.4) <= 60.0), "{lines:?}");
     }
 
     #[test]
     fn a_line_is_broken_only_before_a_word_that_it_cannot_hold() {
-        let lines = wrapped("a film becomes the markers' places in pixels", 60.0, 5.4);
+        let lines = wrap_text("a film becomes the markers' places in pixels", 60.0, 5.4);
         for pair in lines.windows(2) {
             let next = pair[1].split(' ').next().unwrap();
             assert!(width(&format!("{} {next}", pair[0]), 5.4) > 60.0, "{lines:?}");

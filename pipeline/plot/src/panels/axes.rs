@@ -59,74 +59,74 @@ impl Axes {
     }
 
     /// The frame in a rectangle of the page.
-    fn frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
+    fn axes_frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
         // curves may begin and end at the frame; a marker there would be cut by it
         let has_markers = self.marks.iter().any(|m| matches!(m.shape, Shape::Points { .. }));
         let x_margin = if has_markers { MARGIN } else { 0.0 };
-        let mut x = self.x.ends(self.marks.iter().flat_map(Mark::all_x), x_margin)?;
-        let mut y = self.y.ends(self.marks.iter().flat_map(Mark::all_y), MARGIN)?;
+        let mut x = self.x.shown_ends(self.marks.iter().flat_map(Mark::all_x), x_margin)?;
+        let mut y = self.y.shown_ends(self.marks.iter().flat_map(Mark::all_y), MARGIN)?;
         if self.equal {
             let (across, up) = ((x.1 - x.0) / area.width(), (y.1 - y.0) / area.height());
-            x = widened(x, across, up);
-            y = widened(y, up, across);
+            x = widened_range(x, across, up);
+            y = widened_range(y, up, across);
         }
         Ok(Frame::new(area, AxisRange { axis: &self.x, ends: x }, AxisRange { axis: &self.y, ends: y }))
     }
 
     fn painted_marks(&self, frame: &Frame) -> Canvas {
         let mut canvas = Canvas::default();
-        self.marks.iter().for_each(|mark| frame.plot_area.draw(&mut canvas, mark));
+        self.marks.iter().for_each(|mark| frame.plot_area.draw_mark(&mut canvas, mark));
         canvas
     }
 
-    fn listed(&self) -> Vec<&Mark> {
-        if self.legend == Legend::None { Vec::new() } else { legend::listed(&self.marks) }
+    fn listed_marks(&self) -> Vec<&Mark> {
+        if self.legend == Legend::None { Vec::new() } else { legend::listed_marks(&self.marks) }
     }
 }
 
 /// Both ends moved outwards until a point of print shows `wanted` units instead of `now`.
-fn widened((low, high): (f64, f64), now: f64, wanted: f64) -> (f64, f64) {
+fn widened_range((low, high): (f64, f64), now: f64, wanted: f64) -> (f64, f64) {
     let more = 0.5 * (high - low) * (wanted / now - 1.0).max(0.0);
     (low - more, high + more)
 }
 
 impl Draw for Axes {
-    fn check(&self) -> Result<(), PlotError> {
-        let frame = self.frame(Area::new([0.0; 2], [100.0; 2]))?;
-        self.marks.iter().try_for_each(|mark| frame.plot_area.check(mark))
+    fn check_content(&self) -> Result<(), PlotError> {
+        let frame = self.axes_frame(Area::new([0.0; 2], [100.0; 2]))?;
+        self.marks.iter().try_for_each(|mark| frame.plot_area.check_mark(mark))
     }
 
-    fn margins(&self, cell: Area, legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
+    fn frame_margins(&self, cell: Area, legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         // tick labels decide the margins, and the frame's size decides the ticks: two passes
-        let first = self.frame(cell)?.margins();
+        let first = self.axes_frame(cell)?.label_margins();
         let inner = Area {
             from: [cell.from[0] + first.left, cell.from[1]],
             to: [cell.to[0] - first.right, (cell.to[1] - first.bottom).max(cell.from[1] + 1.0)],
         };
-        let mut margins = self.frame(inner)?.margins();
+        let mut margins = self.axes_frame(inner)?.label_margins();
         if legend == LegendPlacement::Over {
-            margins.top += legend::height_over(&self.listed(), inner.width());
+            margins.top += legend::height_over(&self.listed_marks(), inner.width());
         }
         Ok(Some(margins))
     }
 
     fn legend_fits(&self, frame: Area) -> Result<bool, PlotError> {
-        let listed = self.listed();
-        let drawn = self.painted_marks(&self.frame(frame)?);
+        let listed = self.listed_marks();
+        let drawn = self.painted_marks(&self.axes_frame(frame)?);
         let fits = self.legend == Legend::Free && legend::free_place(&listed, frame, &drawn).is_some();
         Ok(listed.is_empty() || fits)
     }
 
-    fn draw(&self, canvas: &mut Canvas, area: Area, place: LegendPlacement) -> Result<(), PlotError> {
-        let frame = self.frame(area)?;
+    fn draw_panel(&self, canvas: &mut Canvas, area: Area, place: LegendPlacement) -> Result<(), PlotError> {
+        let frame = self.axes_frame(area)?;
         frame.draw_grid(canvas);
         let drawn = self.painted_marks(&frame);
-        let free = legend::free_place(&self.listed(), area, &drawn);
+        let free = legend::free_place(&self.listed_marks(), area, &drawn);
         canvas.items.extend(drawn.items);
-        frame.draw(canvas);
+        frame.draw_frame(canvas);
         match (place, free) {
-            (LegendPlacement::Over, _) => legend::draw_over(canvas, &self.listed(), area),
-            (LegendPlacement::Inside, Some(free)) => legend::draw_inside(canvas, &self.listed(), free),
+            (LegendPlacement::Over, _) => legend::draw_over(canvas, &self.listed_marks(), area),
+            (LegendPlacement::Inside, Some(free)) => legend::draw_inside(canvas, &self.listed_marks(), free),
             (LegendPlacement::Inside, None) => {}
         }
         Ok(())
@@ -158,10 +158,10 @@ mod tests {
         let mut inside = 0;
         for seed in 0..40 {
             let axes = axes(seed);
-            let drawn = axes.painted_marks(&axes.frame(FRAME).unwrap());
-            if let Some(place) = legend::free_place(&axes.listed(), FRAME, &drawn) {
+            let drawn = axes.painted_marks(&axes.axes_frame(FRAME).unwrap());
+            if let Some(place) = legend::free_place(&axes.listed_marks(), FRAME, &drawn) {
                 inside += 1;
-                assert!(!drawn.touches(&place), "seed {seed}");
+                assert!(!drawn.touches_area(&place), "seed {seed}");
             }
         }
         assert!(inside > 10, "the seeds include free corners");
@@ -171,7 +171,7 @@ mod tests {
     fn a_legend_without_a_free_corner_is_placed_over_the_frame() {
         let full = axes(0).with(Mark::span(0.0, 6.0, palette::BLACK));
         assert!(!full.legend_fits(FRAME).unwrap());
-        let top = |place| full.margins(FRAME, place).unwrap().unwrap().top;
+        let top = |place| full.frame_margins(FRAME, place).unwrap().unwrap().top;
         assert!(top(LegendPlacement::Over) > top(LegendPlacement::Inside) + 5.0);
     }
 
@@ -180,9 +180,9 @@ mod tests {
         let circle = (0..=64).map(|i| f64::from(i) * 0.1).map(|a| [3.0 * a.cos(), 3.0 * a.sin()]).collect();
         let axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm"));
         let axes = axes.with(Mark::line(circle, palette::BODY)).equal();
-        let plot_area = axes.frame(FRAME).unwrap().plot_area;
-        let across = plot_area.x.place(3.0) - plot_area.x.place(-3.0);
-        let up = plot_area.y.place(-3.0) - plot_area.y.place(3.0);
+        let plot_area = axes.axes_frame(FRAME).unwrap().plot_area;
+        let across = plot_area.x.place_of(3.0) - plot_area.x.place_of(-3.0);
+        let up = plot_area.y.place_of(-3.0) - plot_area.y.place_of(3.0);
         assert!((across - up).abs() < 1e-9);
     }
 
@@ -190,9 +190,9 @@ mod tests {
     fn text_near_the_frame_is_moved_inside() {
         let corner = Mark::text([6.0, 2.0], "a long remark", crate::Side::Right, palette::BLACK);
         let axes = Axes::new(Axis::linear("x", "").range(0.0, 6.0), Axis::linear("y", "").range(0.0, 2.0)).with(corner);
-        let drawn = axes.painted_marks(&axes.frame(FRAME).unwrap());
+        let drawn = axes.painted_marks(&axes.axes_frame(FRAME).unwrap());
         let [crate::canvas::Item::Text(text)] = &drawn.items[..] else { panic!("one text is drawn") };
-        assert!(FRAME.contains(text.area().from) && FRAME.contains(text.area().to));
+        assert!(FRAME.contains(text.text_area().from) && FRAME.contains(text.text_area().to));
     }
 
     #[test]
@@ -201,14 +201,14 @@ mod tests {
         let axes = Axes::new(Axis::linear("x", "").range(0.0, 1.0), Axis::linear("y", "").range(0.0, 1000.0));
         for width in [60.0, 75.0, 90.0, 120.0] {
             let cell = Area::new([5.0, 5.0], [width, 60.0]);
-            let first = axes.frame(cell).unwrap().margins();
+            let first = axes.axes_frame(cell).unwrap().label_margins();
             let left = Area {
                 from: [cell.from[0] + first.left, cell.from[1]],
                 to: [cell.to[0] - first.right, cell.to[1] - first.bottom],
             };
-            let margins = axes.margins(cell, LegendPlacement::Inside).unwrap().unwrap();
-            assert_eq!(margins.left, axes.frame(left).unwrap().margins().left);
-            assert_eq!(margins.right, axes.frame(left).unwrap().margins().right);
+            let margins = axes.frame_margins(cell, LegendPlacement::Inside).unwrap().unwrap();
+            assert_eq!(margins.left, axes.axes_frame(left).unwrap().label_margins().left);
+            assert_eq!(margins.right, axes.axes_frame(left).unwrap().label_margins().right);
         }
     }
 }

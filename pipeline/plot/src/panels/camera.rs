@@ -53,7 +53,7 @@ impl Camera {
     }
 
     /// Place on the page.
-    pub fn place(&self, p: Point3) -> Point2 {
+    pub fn page_place(&self, p: Point3) -> Point2 {
         let [right, up, _] = self.basis;
         [
             self.centre[0] + self.zoom * (dot(p, right) - self.middle[0]),
@@ -63,7 +63,7 @@ impl Camera {
 
     /// Place and depth in the picture, in points of print.
     pub(crate) fn pixel_place(&self, p: Point3) -> Point3 {
-        let [x, y] = self.place(p);
+        let [x, y] = self.page_place(p);
         [x - self.area.from[0], y - self.area.from[1], self.zoom * dot(p, self.basis[2])]
     }
 }

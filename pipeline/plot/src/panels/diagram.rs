@@ -173,71 +173,75 @@ impl Sheet {
         Self { origin: [centre[0] - 0.5 * zoom * size[0], centre[1] + 0.5 * zoom * size[1]], zoom }
     }
 
-    fn place(&self, p: Point2) -> Point2 {
+    fn page_place(&self, p: Point2) -> Point2 {
         [self.origin[0] + self.zoom * p[0], self.origin[1] - self.zoom * p[1]]
     }
 
-    fn places(&self, points: &[Point2]) -> Vec<Point2> {
-        points.iter().map(|p| self.place(*p)).collect()
+    fn page_places(&self, points: &[Point2]) -> Vec<Point2> {
+        points.iter().map(|p| self.page_place(*p)).collect()
     }
 
-    fn area(&self, at: Point2, size: Point2) -> Area {
-        let ([x, y], half) = (self.place(at), size.map(|v| 0.5 * self.zoom * v));
+    fn page_area(&self, at: Point2, size: Point2) -> Area {
+        let ([x, y], half) = (self.page_place(at), size.map(|v| 0.5 * self.zoom * v));
         Area { from: [x - half[0], y - half[1]], to: [x + half[0], y + half[1]] }
     }
 
-    fn draw(&self, canvas: &mut Canvas, part: &Part) -> Result<(), PlotError> {
+    fn draw_part(&self, canvas: &mut Canvas, part: &Part) -> Result<(), PlotError> {
         match part {
             Part::Card { at, size, title, text, fill } => {
-                let area = self.area(*at, *size);
+                let area = self.page_area(*at, *size);
                 parts::filled_box(canvas, area, *fill, parts::LINE);
                 parts::card_text(canvas, area, title, text);
             }
             Part::Dimension { from, to, text, side } => {
-                parts::dimension(canvas, self.place(*from), self.place(*to));
-                let ([a, b], [c, d]) = (self.place(*from), self.place(*to));
-                canvas.text(beside(TextItem::new([0.5 * (a + c), 0.5 * (b + d)], text, NORMAL).side(*side)));
+                parts::draw_dimension(canvas, self.page_place(*from), self.page_place(*to));
+                let ([a, b], [c, d]) = (self.page_place(*from), self.page_place(*to));
+                canvas.draw_text(moved_aside(TextItem::new([0.5 * (a + c), 0.5 * (b + d)], text, NORMAL).side(*side)));
             }
             Part::Inset { at, size, panel } => {
-                panel.as_draw().draw(canvas, self.area(*at, *size), LegendPlacement::Inside)?;
+                panel.as_draw().draw_panel(canvas, self.page_area(*at, *size), LegendPlacement::Inside)?;
             }
             Part::Box { at, size, lines, fill } => {
-                parts::filled_box(canvas, self.area(*at, *size), *fill, LINE);
-                centred_lines(canvas, self.place(*at), lines);
+                parts::filled_box(canvas, self.page_area(*at, *size), *fill, LINE);
+                centred_lines(canvas, self.page_place(*at), lines);
             }
             Part::Arrow { points, text, colour, dash } => {
-                let middle = self.arrow(canvas, points, *colour, *dash);
+                let middle = self.draw_arrow(canvas, points, *colour, *dash);
                 if let (Some(middle), Some((text, side))) = (middle, text) {
-                    canvas.text(beside(TextItem::new(middle, text, NORMAL).side(*side)));
+                    canvas.draw_text(moved_aside(TextItem::new(middle, text, NORMAL).side(*side)));
                 }
             }
-            Part::Line { points, colour, width, dash } => canvas.path(self.places(points), *width, *dash, *colour),
-            Part::Polygon { points, fill } => self.polygon(canvas, points, *fill),
+            Part::Line { points, colour, width, dash } => {
+                canvas.draw_path(self.page_places(points), *width, *dash, *colour)
+            }
+            Part::Polygon { points, fill } => self.draw_polygon(canvas, points, *fill),
             Part::Disc { at, radius, fill } => {
-                let (at, radius) = (self.place(*at), self.zoom * radius);
+                let (at, radius) = (self.page_place(*at), self.zoom * radius);
                 canvas.items.push(Item::Disc { at, radius, line: None, colour: *fill, opacity: 1.0 });
                 canvas.items.push(Item::Disc { at, radius, line: Some(0.6), colour: palette::BLACK, opacity: 1.0 });
             }
             Part::Spring { from, to } => {
-                let line = symbols::spring(self.place(*from), self.place(*to), 5, 4.0);
-                canvas.path(line, LINE, Dash::Solid, palette::BLACK);
+                let line = symbols::spring_line(self.page_place(*from), self.page_place(*to), 5, 4.0);
+                canvas.draw_path(line, LINE, Dash::Solid, palette::BLACK);
             }
             Part::Damper { from, to } => {
-                for line in symbols::damper(self.place(*from), self.place(*to), 5.0) {
-                    canvas.path(line, LINE, Dash::Solid, palette::BLACK);
+                for line in symbols::damper_lines(self.page_place(*from), self.page_place(*to), 5.0) {
+                    canvas.draw_path(line, LINE, Dash::Solid, palette::BLACK);
                 }
             }
-            Part::Wall { from, to } => self.wall(canvas, *from, *to),
+            Part::Wall { from, to } => self.draw_wall(canvas, *from, *to),
             Part::Text { at, text, side, colour } => {
-                canvas.text(beside(TextItem::new(self.place(*at), text, NORMAL).side(*side).colour(*colour)));
+                canvas.draw_text(moved_aside(
+                    TextItem::new(self.page_place(*at), text, NORMAL).side(*side).colour(*colour),
+                ));
             }
         }
         Ok(())
     }
 
     /// Draws an arrow and returns the middle of its middle segment.
-    fn arrow(&self, canvas: &mut Canvas, points: &[Point2], colour: Colour, dash: Dash) -> Option<Point2> {
-        let mut places = self.places(points);
+    fn draw_arrow(&self, canvas: &mut Canvas, points: &[Point2], colour: Colour, dash: Dash) -> Option<Point2> {
+        let mut places = self.page_places(points);
         let [from, to] = places.last_chunk::<2>().copied()?;
         let head = symbols::arrow_head(from, to, HEAD);
         // the line ends at the base of the head, so that its square end does not show at the tip
@@ -247,23 +251,23 @@ impl Sheet {
             .iter()
             .take(2)
             .fold([0.0; 2], |s, p| [s[0] + 0.5 * p[0], s[1] + 0.5 * p[1]]);
-        canvas.path(places, LINE, dash, colour);
+        canvas.draw_path(places, LINE, dash, colour);
         canvas.items.push(Item::Polygon { points: head, colour, opacity: 1.0 });
         Some(middle)
     }
 
-    fn polygon(&self, canvas: &mut Canvas, points: &[Point2], fill: Colour) {
-        let places = self.places(points);
+    fn draw_polygon(&self, canvas: &mut Canvas, points: &[Point2], fill: Colour) {
+        let places = self.page_places(points);
         let closed = [&places[..], &places[..places.len().min(2)]].concat();
         canvas.items.push(Item::Polygon { points: places, colour: fill, opacity: 1.0 });
-        canvas.path(closed, 0.6, Dash::Solid, palette::BLACK);
+        canvas.draw_path(closed, 0.6, Dash::Solid, palette::BLACK);
     }
 
-    fn wall(&self, canvas: &mut Canvas, from: Point2, to: Point2) {
-        let (from, to) = (self.place(from), self.place(to));
-        canvas.segment(from, to, 1.2, palette::BLACK);
-        for [a, b] in symbols::hatching(to, from, 4.0, 4.0) {
-            canvas.segment(a, b, 0.6, palette::BLACK);
+    fn draw_wall(&self, canvas: &mut Canvas, from: Point2, to: Point2) {
+        let (from, to) = (self.page_place(from), self.page_place(to));
+        canvas.draw_segment(from, to, 1.2, palette::BLACK);
+        for [a, b] in symbols::hatching_lines(to, from, 4.0, 4.0) {
+            canvas.draw_segment(a, b, 0.6, palette::BLACK);
         }
     }
 }
@@ -271,14 +275,14 @@ impl Sheet {
 /// Lines of text, centred at a point; the first one is bold when there are more.
 fn centred_lines(canvas: &mut Canvas, [x, y]: Point2, lines: &[String]) {
     for (i, line) in lines.iter().enumerate() {
-        let down = (i as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LEADING;
-        let text = TextItem::new([x, y + down], line, NORMAL);
-        canvas.text(if i == 0 && lines.len() > 1 { text.bold() } else { text });
+        let offset = (i as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LEADING;
+        let text = TextItem::new([x, y + offset], line, NORMAL);
+        canvas.draw_text(if i == 0 && lines.len() > 1 { text.bold() } else { text });
     }
 }
 
 /// A text moved from its point to its side, with a small gap.
-fn beside(text: TextItem) -> TextItem {
+fn moved_aside(text: TextItem) -> TextItem {
     let gap = match text.side {
         Side::Above => [0.0, -6.0],
         Side::Below => [0.0, 6.0],
@@ -286,17 +290,17 @@ fn beside(text: TextItem) -> TextItem {
         Side::Right => [3.5, 0.0],
         Side::Centre => [0.0, 0.0],
     };
-    text.moved(gap)
+    text.shifted_by(gap)
 }
 
 impl Draw for Diagram {
-    fn check(&self) -> Result<(), PlotError> {
+    fn check_content(&self) -> Result<(), PlotError> {
         if self.parts.is_empty() {
             return Err(PlotError::Empty { what: "a diagram" });
         }
         let insets =
             self.parts.iter().filter_map(|p| if let Part::Inset { panel, .. } = p { Some(panel) } else { None });
-        insets.map(|panel| panel.as_draw()).try_for_each(Draw::check)?;
+        insets.map(|panel| panel.as_draw()).try_for_each(Draw::check_content)?;
         match self.size.iter().position(|v| !(v.is_finite() && *v > 0.0)) {
             Some(index) => {
                 Err(PlotError::NotFinite { what: "a diagram's size".to_owned(), index, value: self.size[index] })
@@ -305,13 +309,13 @@ impl Draw for Diagram {
         }
     }
 
-    fn margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
+    fn frame_margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         Ok(None)
     }
 
-    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
+    fn draw_panel(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
         let sheet = Sheet::new(self.size, cell);
-        self.parts.iter().try_for_each(|part| sheet.draw(canvas, part))
+        self.parts.iter().try_for_each(|part| sheet.draw_part(canvas, part))
     }
 }
 
@@ -325,7 +329,7 @@ mod tests {
         let cell = Area::new([10.0, 20.0], [40.0 * POINTS_PER_MM, 30.0 * POINTS_PER_MM]);
         let sheet = Sheet::new([40.0, 30.0], cell);
         assert!((sheet.zoom - POINTS_PER_MM).abs() < 1e-12);
-        let corner = sheet.place([0.0, 30.0]);
+        let corner = sheet.page_place([0.0, 30.0]);
         assert!((0..2).all(|k| (corner[k] - cell.from[k]).abs() < 1e-9));
     }
 
@@ -335,9 +339,9 @@ mod tests {
         let part = Part::Dimension { from, to, text: "20 mm".into(), side: Side::Centre };
         let cell = Area::new([10.0, 20.0], [40.0 * POINTS_PER_MM, 30.0 * POINTS_PER_MM]);
         let mut canvas = Canvas::default();
-        Diagram::new(40.0, 30.0).with(part).draw(&mut canvas, cell, LegendPlacement::Inside).unwrap();
+        Diagram::new(40.0, 30.0).with(part).draw_panel(&mut canvas, cell, LegendPlacement::Inside).unwrap();
         let text = canvas.items.iter().find_map(|item| if let Item::Text(text) = item { Some(text) } else { None });
-        let middle = Sheet::new([40.0, 30.0], cell).place([20.0, 14.0]);
+        let middle = Sheet::new([40.0, 30.0], cell).page_place([20.0, 14.0]);
         assert!((0..2).all(|k| (text.unwrap().at[k] - middle[k]).abs() < 1e-9), "{text:?} {middle:?}");
     }
 }

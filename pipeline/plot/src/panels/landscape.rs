@@ -80,12 +80,12 @@ impl Landscape {
     pub fn with_isoline(self, values: Vec<f64>, value: f64, text: &str, colour: Colour) -> Self {
         let field = Field { columns: self.columns.len(), rows: self.rows.len(), values };
         let lines: Vec<Vec<Point2>> =
-            field.lines(value).iter().map(|line| line.iter().map(|p| self.grid_value(*p)).collect()).collect();
+            field.contour_lines(value).iter().map(|line| line.iter().map(|p| self.grid_value(*p)).collect()).collect();
         // the middle is where iterates are
-        let beside = lines.first().and_then(|line| line.get(line.len() / 5)).copied();
+        let label_point = lines.first().and_then(|line| line.get(line.len() / 5)).copied();
         let named = |at| Mark::text(at, text, Side::Right, colour).sized(6.0);
         let drawn = lines.into_iter().map(|line| Mark::line(line, colour).sized(1.0).dashed(Dash::Dashed));
-        drawn.chain(beside.map(named)).fold(self, Landscape::with)
+        drawn.chain(label_point.map(named)).fold(self, Landscape::with)
     }
 
     /// Extent of a cell beyond its grid point, in grid steps.
@@ -94,40 +94,45 @@ impl Landscape {
     }
 
     /// Both ends of an axis: those that were set, or those of the grid (with half a cell around it).
-    fn ends(&self, axis: &Axis, grid: &[f64]) -> Result<(f64, f64), PlotError> {
-        let (low, high) = axis.ends(grid.iter().copied(), 0.0)?;
-        let (a, b) = (axis.scale.linearised(low), axis.scale.linearised(high));
+    fn axis_ends(&self, axis: &Axis, grid: &[f64]) -> Result<(f64, f64), PlotError> {
+        let (low, high) = axis.shown_ends(grid.iter().copied(), 0.0)?;
+        let (a, b) = (axis.scale.to_linear(low), axis.scale.to_linear(high));
         let half = self.half_cell() * (b - a) / (grid.len() - 1) as f64;
-        Ok(if axis.range.is_some() { (low, high) } else { (axis.scale.value(a - half), axis.scale.value(b + half)) })
+        Ok(if axis.range.is_some() {
+            (low, high)
+        } else {
+            (axis.scale.from_linear(a - half), axis.scale.from_linear(b + half))
+        })
     }
 
-    fn frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
-        let x = AxisRange { axis: &self.x, ends: self.ends(&self.x, &self.columns)? };
-        let y = AxisRange { axis: &self.y, ends: self.ends(&self.y, &self.rows)? };
+    fn grid_frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
+        let x = AxisRange { axis: &self.x, ends: self.axis_ends(&self.x, &self.columns)? };
+        let y = AxisRange { axis: &self.y, ends: self.axis_ends(&self.y, &self.rows)? };
         Ok(Frame::new(area, x, y))
     }
 
-    fn bar(&self) -> Result<Bar<'_>, PlotError> {
+    fn colour_bar(&self) -> Result<Bar<'_>, PlotError> {
         Bar::new(&self.bar, self.values.iter().copied())
     }
 
     /// The values on the grid, as fractions of the colour bar's range.
-    fn field(&self, bar: &Bar) -> Field {
-        let part = |v: &f64| if v.is_finite() { bar.fraction(*v) } else { f64::NAN };
+    fn fraction_field(&self, bar: &Bar) -> Field {
+        let part = |v: &f64| if v.is_finite() { bar.fraction_of(*v) } else { f64::NAN };
         Field { columns: self.columns.len(), rows: self.rows.len(), values: self.values.iter().map(part).collect() }
     }
 
     /// The picture: one colour for each pixel of the frame.
-    fn picture(&self, frame: &Frame, field: &Field) -> Raster {
+    fn render_picture(&self, frame: &Frame, field: &Field) -> Raster {
         let area = frame.plot_area.frame;
         let size = [area.width(), area.height()].map(|v| (v * PIXELS_PER_POINT).round().max(1.0) as usize);
         let mut pixels = Vec::with_capacity(size[0] * size[1] * 4);
         for row in 0..size[1] {
             for column in 0..size[0] {
-                let at = |k: usize, index: usize| {
+                let page_coordinate = |k: usize, index: usize| {
                     area.from[k] + (index as f64 + 0.5) / size[k] as f64 * (area.to[k] - area.from[k])
                 };
-                let part = self.shaded(field, self.grid_place(frame, [at(0, column), at(1, row)]));
+                let part = self
+                    .shaded_value(field, self.grid_place(frame, [page_coordinate(0, column), page_coordinate(1, row)]));
                 let colour = if part.is_nan() { palette::MISSING } else { palette::heat(part) };
                 pixels.extend([colour.0, colour.1, colour.2, 255]);
             }
@@ -135,51 +140,51 @@ impl Landscape {
         Raster { width: size[0], height: size[1], pixels }
     }
 
-    fn shaded(&self, field: &Field, p: Point2) -> f64 {
+    fn shaded_value(&self, field: &Field, p: Point2) -> f64 {
         let p = match self.shading {
             Shading::Smooth => p,
             Shading::Cells => p.map(f64::round),
         };
-        let most = [(field.columns - 1) as f64, (field.rows - 1) as f64];
-        field.between([p[0].clamp(0.0, most[0]), p[1].clamp(0.0, most[1])])
+        let largest_index = [(field.columns - 1) as f64, (field.rows - 1) as f64];
+        field.interpolate([p[0].clamp(0.0, largest_index[0]), p[1].clamp(0.0, largest_index[1])])
     }
 
     /// A point of the page as [column, row] of the grid.
     fn grid_place(&self, frame: &Frame, p: Point2) -> Point2 {
-        let along = |axis: &Axis, grid: &[f64], value: f64| {
-            let (a, b) = (axis.scale.linearised(grid[0]), axis.scale.linearised(grid[grid.len() - 1]));
-            (axis.scale.linearised(value) - a) / (b - a) * (grid.len() - 1) as f64
+        let grid_coordinate = |axis: &Axis, grid: &[f64], value: f64| {
+            let (a, b) = (axis.scale.to_linear(grid[0]), axis.scale.to_linear(grid[grid.len() - 1]));
+            (axis.scale.to_linear(value) - a) / (b - a) * (grid.len() - 1) as f64
         };
-        let (x, y) = (frame.plot_area.x.value(p[0]), frame.plot_area.y.value(p[1]));
-        [along(&self.x, &self.columns, x), along(&self.y, &self.rows, y)]
+        let (x, y) = (frame.plot_area.x.value_at(p[0]), frame.plot_area.y.value_at(p[1]));
+        [grid_coordinate(&self.x, &self.columns, x), grid_coordinate(&self.y, &self.rows, y)]
     }
 
     /// [column, row] of the grid in the units of the axes.
     fn grid_value(&self, p: Point2) -> Point2 {
-        let along = |axis: &Axis, grid: &[f64], place: f64| {
-            let (a, b) = (axis.scale.linearised(grid[0]), axis.scale.linearised(grid[grid.len() - 1]));
-            axis.scale.value(a + place / (grid.len() - 1) as f64 * (b - a))
+        let axis_value = |axis: &Axis, grid: &[f64], place: f64| {
+            let (a, b) = (axis.scale.to_linear(grid[0]), axis.scale.to_linear(grid[grid.len() - 1]));
+            axis.scale.from_linear(a + place / (grid.len() - 1) as f64 * (b - a))
         };
-        [along(&self.x, &self.columns, p[0]), along(&self.y, &self.rows, p[1])]
+        [axis_value(&self.x, &self.columns, p[0]), axis_value(&self.y, &self.rows, p[1])]
     }
 
     fn draw_contours(&self, canvas: &mut Canvas, frame: &Frame, bar: &Bar, field: &Field) {
         let times = FINE_COLUMNS.div_ceil(self.columns.len().max(self.rows.len()));
-        let fine = field.refined(times);
-        for level in bar.levels(frame.plot_area.frame.height()) {
-            for line in fine.lines(bar.fraction(level)) {
+        let fine = field.refined_field(times);
+        for level in bar.contour_levels(frame.plot_area.frame.height()) {
+            for line in fine.contour_lines(bar.fraction_of(level)) {
                 let points = line.iter().map(|p| self.grid_value(p.map(|v| v / times as f64))).collect();
                 let mark = Mark::line(points, palette::PAPER).sized(0.45).with_opacity(0.75);
-                frame.plot_area.draw(canvas, &mark);
+                frame.plot_area.draw_mark(canvas, &mark);
             }
         }
     }
 
     fn check_grid(&self, axis: &Axis, grid: &[f64]) -> Result<(), PlotError> {
-        let even: Vec<f64> = grid.iter().map(|v| axis.scale.linearised(*v)).collect();
+        let even: Vec<f64> = grid.iter().map(|v| axis.scale.to_linear(*v)).collect();
         let step = (even[even.len() - 1] - even[0]) / (even.len() - 1) as f64;
-        let off = |i: usize| (even[i] - even[0] - i as f64 * step).abs();
-        let uneven = |i: &usize| off(*i).is_nan() || off(*i) > 1e-6 * step;
+        let deviation = |i: usize| (even[i] - even[0] - i as f64 * step).abs();
+        let uneven = |i: &usize| deviation(*i).is_nan() || deviation(*i) > 1e-6 * step;
         match (0..even.len()).find(uneven) {
             Some(index) => {
                 let what = format!("the grid on `{}`, which must rise evenly,", axis.label);
@@ -191,7 +196,7 @@ impl Landscape {
 }
 
 impl Draw for Landscape {
-    fn check(&self) -> Result<(), PlotError> {
+    fn check_content(&self) -> Result<(), PlotError> {
         if self.columns.len() < 2 || self.rows.len() < 2 {
             return Err(PlotError::Empty { what: "the grid of a landscape" });
         }
@@ -199,39 +204,39 @@ impl Draw for Landscape {
         if found != expected {
             return Err(PlotError::Length { what: "the values of a landscape".to_owned(), found, expected });
         }
-        let frame = self.frame(Area::new([0.0; 2], [100.0; 2]))?;
-        self.bar()?;
+        let frame = self.grid_frame(Area::new([0.0; 2], [100.0; 2]))?;
+        self.colour_bar()?;
         self.check_grid(&self.x, &self.columns)?;
         self.check_grid(&self.y, &self.rows)?;
-        self.marks.iter().try_for_each(|mark| frame.plot_area.check(mark))
+        self.marks.iter().try_for_each(|mark| frame.plot_area.check_mark(mark))
     }
 
-    fn margins(&self, cell: Area, place: LegendPlacement) -> Result<Option<Margins>, PlotError> {
-        let mut margins = self.frame(cell)?.margins();
+    fn frame_margins(&self, cell: Area, place: LegendPlacement) -> Result<Option<Margins>, PlotError> {
+        let mut margins = self.grid_frame(cell)?.label_margins();
         let height = cell.height() - margins.top - margins.bottom;
-        margins.beyond = self.bar()?.width(height.max(1.0));
+        margins.beyond = self.colour_bar()?.total_width(height.max(1.0));
         let width = cell.width() - margins.left - margins.right - margins.beyond;
         if place == LegendPlacement::Over {
-            margins.top += legend::height_over(&legend::listed(&self.marks), width);
+            margins.top += legend::height_over(&legend::listed_marks(&self.marks), width);
         }
         Ok(Some(margins))
     }
 
     fn legend_fits(&self, _frame: Area) -> Result<bool, PlotError> {
-        Ok(legend::listed(&self.marks).is_empty()) // a heat map has no free corner
+        Ok(legend::listed_marks(&self.marks).is_empty()) // a heat map has no free corner
     }
 
-    fn draw(&self, canvas: &mut Canvas, area: Area, _place: LegendPlacement) -> Result<(), PlotError> {
-        let (frame, bar) = (self.frame(area)?, self.bar()?);
-        let field = self.field(&bar);
-        canvas.items.push(Item::Picture { area, png: self.picture(&frame, &field).png()? });
+    fn draw_panel(&self, canvas: &mut Canvas, area: Area, _place: LegendPlacement) -> Result<(), PlotError> {
+        let (frame, bar) = (self.grid_frame(area)?, self.colour_bar()?);
+        let field = self.fraction_field(&bar);
+        canvas.items.push(Item::Picture { area, png: self.render_picture(&frame, &field).to_png()? });
         if self.contours && self.shading == Shading::Smooth {
             self.draw_contours(canvas, &frame, &bar, &field);
         }
-        self.marks.iter().for_each(|mark| frame.plot_area.draw(canvas, mark));
-        frame.draw(canvas);
-        bar.draw(canvas, area)?;
-        legend::draw_over(canvas, &legend::listed(&self.marks), area);
+        self.marks.iter().for_each(|mark| frame.plot_area.draw_mark(canvas, mark));
+        frame.draw_frame(canvas);
+        bar.draw_bar(canvas, area)?;
+        legend::draw_over(canvas, &legend::listed_marks(&self.marks), area);
         Ok(())
     }
 }
@@ -250,8 +255,8 @@ mod tests {
     }
 
     fn picture(landscape: &Landscape) -> Raster {
-        let frame = landscape.frame(CELL).unwrap();
-        landscape.picture(&frame, &landscape.field(&landscape.bar().unwrap()))
+        let frame = landscape.grid_frame(CELL).unwrap();
+        landscape.render_picture(&frame, &landscape.fraction_field(&landscape.colour_bar().unwrap()))
     }
 
     #[test]
@@ -287,7 +292,7 @@ mod tests {
     #[test]
     fn the_picture_of_a_heat_map_fills_its_frame() {
         let mut canvas = Canvas::default();
-        three_by_two(Shading::Smooth).draw(&mut canvas, CELL, LegendPlacement::Over).unwrap();
+        three_by_two(Shading::Smooth).draw_panel(&mut canvas, CELL, LegendPlacement::Over).unwrap();
         assert!(matches!(&canvas.items[0], Item::Picture { area, .. } if *area == CELL));
     }
 
@@ -304,15 +309,16 @@ mod tests {
     fn a_grid_that_is_not_even_is_refused() {
         let mut landscape = three_by_two(Shading::Smooth);
         landscape.columns[1] = 2.2;
-        assert!(landscape.check().unwrap_err().to_string().contains("rise evenly"));
+        assert!(landscape.check_content().unwrap_err().to_string().contains("rise evenly"));
     }
 
     #[test]
     fn grid_place_is_the_inverse_of_grid_value() {
         let landscape = three_by_two(Shading::Smooth);
-        let frame = landscape.frame(CELL).unwrap();
+        let frame = landscape.grid_frame(CELL).unwrap();
         let value = landscape.grid_value([0.7, 0.4]);
-        let back = landscape.grid_place(&frame, [frame.plot_area.x.place(value[0]), frame.plot_area.y.place(value[1])]);
+        let back =
+            landscape.grid_place(&frame, [frame.plot_area.x.place_of(value[0]), frame.plot_area.y.place_of(value[1])]);
         assert!((back[0] - 0.7).abs() < 1e-12 && (back[1] - 0.4).abs() < 1e-12);
     }
 }

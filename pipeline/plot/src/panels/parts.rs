@@ -4,7 +4,7 @@ use si::Point2;
 
 use crate::canvas::{Area, Canvas, Item, TextItem};
 use crate::panels::symbols;
-use crate::text::wrapped;
+use crate::text::wrap_text;
 use crate::{Colour, Dash, palette};
 
 /// Font size of a card's title.
@@ -24,35 +24,35 @@ const BAR: f64 = 2.5;
 
 /// A filled rectangle with an outline.
 pub(crate) fn filled_box(canvas: &mut Canvas, area: Area, fill: Colour, line: f64) {
-    canvas.filled(area, fill, 1.0);
-    canvas.outline(area, line, palette::BLACK);
+    canvas.fill_area(area, fill, 1.0);
+    canvas.draw_outline(area, line, palette::BLACK);
 }
 
 /// A bold title and small text under it, wrapped to the width of a card.
 pub(crate) fn card_text(canvas: &mut Canvas, area: Area, title: &str, text: &str) {
     let width = area.width() - 2.0 * PADDING;
-    let (heads, lines) = (wrapped(title, width, TITLE * crate::text::BOLD), wrapped(text, width, BODY));
+    let (heads, lines) = (wrap_text(title, width, TITLE * crate::text::BOLD), wrap_text(text, width, BODY));
     let high = (heads.len() + lines.len()) as f64 * LEADING;
     let (x, top) = (area.centre()[0], area.centre()[1] - 0.5 * high + 0.5 * LEADING);
-    let at = |line: usize| [x, top + line as f64 * LEADING];
+    let line_position = |line: usize| [x, top + line as f64 * LEADING];
     for (i, line) in heads.iter().enumerate() {
-        canvas.text(TextItem::new(at(i), line, TITLE).bold());
+        canvas.draw_text(TextItem::new(line_position(i), line, TITLE).bold());
     }
     for (i, line) in lines.iter().enumerate() {
-        canvas.text(TextItem::new(at(heads.len() + i), line, BODY));
+        canvas.draw_text(TextItem::new(line_position(heads.len() + i), line, BODY));
     }
 }
 
 /// A line with a bar and a head at each end.
-pub fn dimension(canvas: &mut Canvas, from: Point2, to: Point2) {
+pub fn draw_dimension(canvas: &mut Canvas, from: Point2, to: Point2) {
     let way = [to[0] - from[0], to[1] - from[1]];
     let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
-    let across = [-way[1] / length * BAR, way[0] / length * BAR];
-    canvas.path(vec![from, to], LINE, Dash::Solid, palette::BLACK);
+    let bar_offset = [-way[1] / length * BAR, way[0] / length * BAR];
+    canvas.draw_path(vec![from, to], LINE, Dash::Solid, palette::BLACK);
     for (end, other) in [(to, from), (from, to)] {
-        canvas.segment(
-            [end[0] - across[0], end[1] - across[1]],
-            [end[0] + across[0], end[1] + across[1]],
+        canvas.draw_segment(
+            [end[0] - bar_offset[0], end[1] - bar_offset[1]],
+            [end[0] + bar_offset[0], end[1] + bar_offset[1]],
             LINE,
             palette::BLACK,
         );
@@ -71,7 +71,7 @@ mod tests {
     fn a_short_dimension_has_bars_and_no_heads() {
         let heads = |length: f64| {
             let mut canvas = Canvas::default();
-            dimension(&mut canvas, [0.0, 0.0], [length, 0.0]);
+            draw_dimension(&mut canvas, [0.0, 0.0], [length, 0.0]);
             canvas.items.iter().filter(|i| matches!(i, Item::Polygon { .. })).count()
         };
         assert_eq!((heads(5.0), heads(40.0)), (0, 2));

@@ -48,7 +48,7 @@ impl Picture {
     }
 
     /// The largest rectangle with the picture's aspect ratio in the middle of a cell.
-    fn fitted(&self, cell: Area) -> Area {
+    fn fitted_area(&self, cell: Area) -> Area {
         let size: Point2 = [self.width as f64, self.height as f64];
         let zoom = (cell.width() / size[0]).min(cell.height() / size[1]);
         let half = size.map(|v| 0.5 * zoom * v);
@@ -56,14 +56,14 @@ impl Picture {
         Area { from: [x - half[0], y - half[1]], to: [x + half[0], y + half[1]] }
     }
 
-    /// The picture with blocks of `by` × `by` pixels averaged (pixels beyond the last whole block are left out).
-    fn averaged(&self, by: usize) -> (usize, usize, Vec<u8>) {
-        let (width, height) = (self.width / by, self.height / by);
+    /// The picture with blocks of `block` × `block` pixels averaged (pixels beyond the last whole block are left out).
+    fn block_averages(&self, block: usize) -> (usize, usize, Vec<u8>) {
+        let (width, height) = (self.width / block, self.height / block);
         let mean = |k: usize| {
-            let (row, column) = (k / width * by, k % width * by);
-            let pixels = (0..by * by).map(|i| (row + i / by) * self.width + column + i % by);
+            let (row, column) = (k / width * block, k % width * block);
+            let pixels = (0..block * block).map(|i| (row + i / block) * self.width + column + i % block);
             let sum: usize = pixels.map(|i| usize::from(self.grey[i])).sum();
-            ((sum + by * by / 2) / (by * by)) as u8
+            ((sum + block * block / 2) / (block * block)) as u8
         };
         (width, height, (0..width * height).map(mean).collect())
     }
@@ -73,14 +73,14 @@ impl Picture {
         let length = pixels / self.width as f64 * area.width();
         let (from, y) = (area.from[0] + 5.0, area.to[1] - 6.0);
         let label = Area::new([from - 2.5, y - 11.5], [length.max(22.0) + 5.0, 15.0]);
-        canvas.filled(label, palette::PAPER, 0.8);
-        canvas.segment([from, y], [from + length, y], 1.4, palette::BLACK);
-        canvas.text(TextItem::new([from + 0.5 * length.max(22.0), y - 5.5], text, SMALL));
+        canvas.fill_area(label, palette::PAPER, 0.8);
+        canvas.draw_segment([from, y], [from + length, y], 1.4, palette::BLACK);
+        canvas.draw_text(TextItem::new([from + 0.5 * length.max(22.0), y - 5.5], text, SMALL));
     }
 }
 
 impl Draw for Picture {
-    fn check(&self) -> Result<(), PlotError> {
+    fn check_content(&self) -> Result<(), PlotError> {
         let (found, expected) = (self.grey.len(), self.width * self.height);
         match expected {
             0 => Err(PlotError::Empty { what: "a picture" }),
@@ -89,24 +89,24 @@ impl Draw for Picture {
         }
     }
 
-    fn margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
+    fn frame_margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         Ok(None)
     }
 
-    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
-        let area = self.fitted(cell);
-        let by = (self.width as f64 / (area.width() * PIXELS_PER_POINT)).floor().max(1.0) as usize;
-        let (width, height, grey) = self.averaged(by);
+    fn draw_panel(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
+        let area = self.fitted_area(cell);
+        let block = (self.width as f64 / (area.width() * PIXELS_PER_POINT)).floor().max(1.0) as usize;
+        let (width, height, grey) = self.block_averages(block);
         canvas.items.push(Item::Picture { area, png: grey_png(&grey, width, height)? });
-        let ruler = |most: usize, k: usize| Ruler {
+        let ruler = |extent: usize, k: usize| Ruler {
             scale: Scale::Linear,
-            ends: (0.0, most as f64),
+            ends: (0.0, extent as f64),
             places: (area.from[k], area.to[k]),
         };
         let plot_area = PlotArea { x: ruler(self.width, 0), y: ruler(self.height, 1), frame: area };
-        self.marks.iter().for_each(|mark| plot_area.draw(canvas, mark));
+        self.marks.iter().for_each(|mark| plot_area.draw_mark(canvas, mark));
         self.draw_scale_bar(canvas, area);
-        canvas.outline(area, 0.5, palette::BLACK);
+        canvas.draw_outline(area, 0.5, palette::BLACK);
         Ok(())
     }
 }
@@ -118,15 +118,15 @@ mod tests {
     #[test]
     fn blocks_are_averaged() {
         let picture = Picture::new(4, 2, vec![0, 100, 10, 10, 100, 200, 10, 10]);
-        assert_eq!(picture.averaged(2), (2, 1, vec![100, 10]));
+        assert_eq!(picture.block_averages(2), (2, 1, vec![100, 10]));
     }
 
     #[test]
     fn a_picture_keeps_its_aspect_ratio_in_any_cell() {
         let picture = Picture::new(200, 100, vec![0; 20_000]);
-        let area = picture.fitted(Area::new([0.0; 2], [50.0, 300.0]));
+        let area = picture.fitted_area(Area::new([0.0; 2], [50.0, 300.0]));
         assert!((area.width() - 50.0).abs() < 1e-12 && (area.height() - 25.0).abs() < 1e-12);
-        let low = picture.fitted(Area::new([10.0, 20.0], [400.0, 10.0]));
+        let low = picture.fitted_area(Area::new([10.0, 20.0], [400.0, 10.0]));
         let expected = Area { from: [200.0, 20.0], to: [220.0, 30.0] };
         assert!((0..2).all(|k| (low.from[k] - expected.from[k]).abs() + (low.to[k] - expected.to[k]).abs() < 1e-12));
     }

@@ -13,8 +13,8 @@ use crate::mark_painter::draw_marker;
 use crate::panel::{Draw, LegendPlacement, Margins};
 use crate::panels::camera::{Camera, View};
 use crate::panels::colour_bar::{Bar, ColourBar};
-use crate::panels::shading::{lit, normals};
-use crate::panels::z_buffer::{Facet, render};
+use crate::panels::shading::{corner_normals, lit_colour};
+use crate::panels::z_buffer::{Facet, render_facets};
 use crate::{Colour, Dash, PlotError, palette, text};
 
 /// The colour of a triangle.
@@ -132,20 +132,20 @@ impl Scene {
     }
 
     /// The rectangle that is shown, in metres on the plane of view.
-    fn shown(&self) -> [Point2; 2] {
+    fn shown_rectangle(&self) -> [Point2; 2] {
         let [right, up, _] = self.view.basis();
-        let seen = |p: Point3| [dot(p, right), dot(p, up)];
+        let projected = |p: Point3| [dot(p, right), dot(p, up)];
         let grow = |[low, high]: [Point2; 2], p: Point2| {
             [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
         };
         let start = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         match self.window {
-            Some(corners) => corners.into_iter().map(seen).fold(start, grow),
-            None => self.all_points().map(seen).fold(start, grow),
+            Some(corners) => corners.into_iter().map(projected).fold(start, grow),
+            None => self.all_points().map(projected).fold(start, grow),
         }
     }
 
-    fn bar(&self) -> Result<Option<Bar<'_>>, PlotError> {
+    fn colour_bar(&self) -> Result<Option<Bar<'_>>, PlotError> {
         let values = self.triangles.iter().flat_map(|t| match t.paint {
             Paint::Values(values) => values.to_vec(),
             _ => vec![],
@@ -154,9 +154,9 @@ impl Scene {
     }
 
     /// The projection onto a cell without the height of the scale bar.
-    fn camera(&self, cell: Area) -> Camera {
+    fn scene_camera(&self, cell: Area) -> Camera {
         let area = Area { from: cell.from, to: [cell.to[0], cell.to[1] - self.scale_bar_height()] };
-        Camera::new(&self.view, self.shown(), area)
+        Camera::new(&self.view, self.shown_rectangle(), area)
     }
 
     fn scale_bar_height(&self) -> f64 {
@@ -164,7 +164,7 @@ impl Scene {
     }
 
     /// Places and colours of all triangles, with light from above and left of the eye.
-    fn facets(&self, camera: &Camera, bar: Option<&Bar>) -> Vec<Facet> {
+    fn shaded_facets(&self, camera: &Camera, bar: Option<&Bar>) -> Vec<Facet> {
         let [right, up, away] = camera.basis;
         let lamp = add(add(scale(away, -0.75), scale(up, 0.5)), scale(right, -0.35));
         let (lamp, eye) = (scale(lamp, 1.0 / norm(lamp)), scale(away, -1.0));
@@ -173,26 +173,26 @@ impl Scene {
             let (plain, opacity) = match triangle.paint {
                 Paint::Solid(colour) => ([colour; 3], 1.0),
                 Paint::Transparent(colour, opacity) => ([colour; 3], opacity),
-                Paint::Values(values) => (values.map(|v| bar.map_or(palette::MISSING, |b| b.colour(v))), 1.0),
+                Paint::Values(values) => (values.map(|v| bar.map_or(palette::MISSING, |b| b.colour_of(v))), 1.0),
             };
-            let colours = std::array::from_fn(|k| lit(plain[k], normals[k], lamp, eye));
+            let colours = std::array::from_fn(|k| lit_colour(plain[k], normals[k], lamp, eye));
             Facet { corners: triangle.corners.map(|p| camera.pixel_place(p)), colours, opacity }
         };
-        self.triangles.iter().zip(normals(&corners)).map(facet).collect()
+        self.triangles.iter().zip(corner_normals(&corners)).map(facet).collect()
     }
 
     /// The picture, with as many pixels as the limit of its size allows.
-    fn picture(&self, camera: &Camera, bar: Option<&Bar>) -> Result<Vec<u8>, PlotError> {
-        let facets = self.facets(camera, bar);
+    fn render_picture(&self, camera: &Camera, bar: Option<&Bar>) -> Result<Vec<u8>, PlotError> {
+        let facets = self.shaded_facets(camera, bar);
         let size = [camera.area.width(), camera.area.height()];
         let jump = JUMP * size[0].max(size[1]);
         let limit = (BYTES_PER_SQUARE_POINT * size[0] * size[1]) as usize;
         // the size of a PNG is not predictable from the mesh: render, measure, reduce the resolution
         let mut resolution = PIXELS_PER_POINT;
         loop {
-            let scaled: Vec<Facet> = facets.iter().map(|f| f.scaled(resolution)).collect();
+            let scaled: Vec<Facet> = facets.iter().map(|f| f.scaled_facet(resolution)).collect();
             let [w, h] = size.map(|v| (v * resolution).round().max(1.0) as usize);
-            let png = render(&scaled, w, h, jump).png()?;
+            let png = render_facets(&scaled, w, h, jump).to_png()?;
             if png.len() <= limit || resolution <= 1.5 {
                 return Ok(png);
             }
@@ -204,23 +204,23 @@ impl Scene {
         let Some(length) = self.scale_bar else { return };
         let (from, y) = ([camera.area.from[0] + 2.0, camera.area.to[1] + 4.0], camera.area.to[1] + 4.0);
         let to = [from[0] + length * camera.zoom, y];
-        canvas.segment(from, to, 1.2, palette::BLACK);
+        canvas.draw_segment(from, to, 1.2, palette::BLACK);
         for end in [from, to] {
-            canvas.segment([end[0], y - 1.8], [end[0], y + 1.8], 0.8, palette::BLACK);
+            canvas.draw_segment([end[0], y - 1.8], [end[0], y + 1.8], 0.8, palette::BLACK);
         }
         let text = format!("{} mm", text::number(length / MILLIMETRE, 0));
-        canvas.text(TextItem::new([to[0] + 3.5, y], &text, SMALL).side(Side::Right));
+        canvas.draw_text(TextItem::new([to[0] + 3.5, y], &text, SMALL).side(Side::Right));
     }
 }
 
 impl Facet {
-    fn scaled(&self, resolution: f64) -> Self {
+    fn scaled_facet(&self, resolution: f64) -> Self {
         Self { corners: self.corners.map(|[x, y, depth]| [x * resolution, y * resolution, depth]), ..*self }
     }
 }
 
 impl Draw for Scene {
-    fn check(&self) -> Result<(), PlotError> {
+    fn check_content(&self) -> Result<(), PlotError> {
         if self.triangles.is_empty() {
             return Err(PlotError::Empty { what: "a scene" });
         }
@@ -228,48 +228,48 @@ impl Draw for Scene {
             let value = p.into_iter().find(|v| !v.is_finite()).unwrap_or(f64::NAN);
             return Err(PlotError::NotFinite { what: "a scene".to_owned(), index, value });
         }
-        let [low, high] = self.shown();
+        let [low, high] = self.shown_rectangle();
         if high[0] <= low[0] || high[1] <= low[1] {
             return Err(PlotError::Empty { what: "the view of a scene" });
         }
-        self.bar().map(drop)
+        self.colour_bar().map(drop)
     }
 
-    fn margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
+    fn frame_margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         Ok(None)
     }
 
-    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
-        let bar = self.bar()?;
+    fn draw_panel(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
+        let bar = self.colour_bar()?;
         let height = 0.8 * cell.height();
-        let wide = bar.as_ref().map_or(0.0, |b| b.width(height));
+        let wide = bar.as_ref().map_or(0.0, |b| b.total_width(height));
         let remaining = Area { from: cell.from, to: [cell.to[0] - wide, cell.to[1]] };
-        let camera = self.camera(remaining);
-        canvas.items.push(Item::Picture { area: camera.area, png: self.picture(&camera, bar.as_ref())? });
+        let camera = self.scene_camera(remaining);
+        canvas.items.push(Item::Picture { area: camera.area, png: self.render_picture(&camera, bar.as_ref())? });
         for overlay in &self.overlays {
-            overlay.draw(canvas, &camera);
+            overlay.draw_overlay(canvas, &camera);
         }
         self.draw_scale_bar(canvas, &camera);
-        let beside = Area {
+        let bar_area = Area {
             from: [remaining.from[0], cell.centre()[1] - 0.5 * height],
             to: [remaining.to[0], cell.centre()[1] + 0.5 * height],
         };
-        bar.map_or(Ok(()), |b| b.draw(canvas, beside))
+        bar.map_or(Ok(()), |b| b.draw_bar(canvas, bar_area))
     }
 }
 
 impl Overlay {
-    fn draw(&self, canvas: &mut Canvas, camera: &Camera) {
-        let places: Vec<Point2> = self.points.iter().map(|p| camera.place(*p)).collect();
+    fn draw_overlay(&self, canvas: &mut Canvas, camera: &Camera) {
+        let places: Vec<Point2> = self.points.iter().map(|p| camera.page_place(*p)).collect();
         match &self.kind {
-            OverlayKind::Line(dash) => canvas.path(places, self.size, *dash, self.colour),
+            OverlayKind::Line(dash) => canvas.draw_path(places, self.size, *dash, self.colour),
             OverlayKind::Markers(marker) => {
                 let mark = Mark::points(vec![], *marker, self.colour).sized(self.size);
                 places.iter().for_each(|p| draw_marker(canvas, &mark, *p, *marker));
             }
             OverlayKind::Text(text, side) => {
                 if let Some(place) = places.first() {
-                    canvas.text(TextItem::new(*place, text, self.size).side(*side).colour(self.colour));
+                    canvas.draw_text(TextItem::new(*place, text, self.size).side(*side).colour(self.colour));
                 }
             }
         }

@@ -17,31 +17,31 @@ const STEPS: f64 = 64.0;
 /// A key that is equal for corners at the same place, bit by bit.
 type Place = [u64; 3];
 
-fn place(p: Point3) -> Place {
+fn place_key(p: Point3) -> Place {
     p.map(|v| (v + 0.0).to_bits())
 }
 
 /// Unit normals at the corners of triangles (triangles × 3): the mean over neighbours that share the corner and are
 /// bent by less than the crease angle, weighted by area.
-pub fn normals(triangles: &[[Point3; 3]]) -> Vec<[Point3; 3]> {
+pub fn corner_normals(triangles: &[[Point3; 3]]) -> Vec<[Point3; 3]> {
     let flat: Vec<Point3> = triangles.iter().map(|[a, b, c]| cross(sub(*b, *a), sub(*c, *a))).collect();
-    let mut around: BTreeMap<Place, Vec<usize>> = BTreeMap::new();
+    let mut triangles_at: BTreeMap<Place, Vec<usize>> = BTreeMap::new();
     for (index, corners) in triangles.iter().enumerate() {
-        corners.iter().for_each(|p| around.entry(place(*p)).or_default().push(index));
+        corners.iter().for_each(|p| triangles_at.entry(place_key(*p)).or_default().push(index));
     }
-    let corner = |own: Point3, p: Point3| {
-        let bent = |n: &Point3| dot(*n, own) > CREASE * norm(*n) * norm(own);
-        let near = around.get(&place(p)).into_iter().flatten().map(|&i| flat[i]).filter(bent);
-        let sum = near.fold([0.0; 3], add);
+    let corner = |own_normal: Point3, p: Point3| {
+        let bent = |n: &Point3| dot(*n, own_normal) > CREASE * norm(*n) * norm(own_normal);
+        let neighbours = triangles_at.get(&place_key(p)).into_iter().flatten().map(|&i| flat[i]).filter(bent);
+        let sum = neighbours.fold([0.0; 3], add);
         let length = norm(sum);
         if length > 0.0 { scale(sum, 1.0 / length) } else { [0.0; 3] }
     };
-    triangles.iter().zip(&flat).map(|(corners, own)| corners.map(|p| corner(*own, p))).collect()
+    triangles.iter().zip(&flat).map(|(corners, own_normal)| corners.map(|p| corner(*own_normal, p))).collect()
 }
 
 /// A colour under light from `light` (a unit vector towards the lamp), seen from `eye` (towards the eye); both sides of
 /// a surface are lit alike (Lambert's law).
-pub fn lit(colour: Colour, normal: Point3, light: Point3, eye: Point3) -> Colour {
+pub fn lit_colour(colour: Colour, normal: Point3, light: Point3, eye: Point3) -> Colour {
     let facing = if dot(normal, eye) < 0.0 { scale(normal, -1.0) } else { normal };
     let direct = dot(facing, light).max(0.0);
     let bright = AMBIENT + (1.0 - AMBIENT) * direct;
@@ -59,7 +59,7 @@ mod tests {
         let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let beside = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let wall = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let normals = normals(&[flat, beside, wall]);
+        let normals = corner_normals(&[flat, beside, wall]);
         assert_eq!(normals[0], [[0.0, 0.0, 1.0]; 3]);
         assert_eq!(normals[2], [[1.0, 0.0, 0.0]; 3]);
     }
@@ -68,8 +68,8 @@ mod tests {
     fn a_surface_that_faces_the_light_is_brighter() {
         let eye = [0.0, 0.0, 1.0];
         let grey = Colour(150, 150, 150);
-        let (facing, aside) = (lit(grey, eye, eye, eye), lit(grey, [1.0, 0.0, 0.0], eye, eye));
+        let (facing, aside) = (lit_colour(grey, eye, eye, eye), lit_colour(grey, [1.0, 0.0, 0.0], eye, eye));
         assert!(facing.0 > aside.0 + 50);
-        assert_eq!(lit(grey, [0.0, 0.0, -1.0], eye, eye), facing);
+        assert_eq!(lit_colour(grey, [0.0, 0.0, -1.0], eye, eye), facing);
     }
 }

@@ -36,20 +36,20 @@ struct Samples {
 /// write to the depth buffer.
 ///
 /// An outline is drawn where the depth of solid facets jumps by more than `jump` (in the facets' unit of depth).
-pub fn render(facets: &[Facet], width: usize, height: usize, jump: f64) -> Raster {
+pub fn render_facets(facets: &[Facet], width: usize, height: usize, jump: f64) -> Raster {
     let (w, h) = (width * FINE, height * FINE);
     let mut samples = Samples { width: w, height: h, depth: vec![f64::INFINITY; w * h], light: vec![[0.0; 4]; w * h] };
-    facets.iter().filter(|f| f.opacity >= 1.0).for_each(|f| samples.fill(f));
-    samples.outline(jump);
+    facets.iter().filter(|f| f.opacity >= 1.0).for_each(|f| samples.fill_facet(f));
+    samples.draw_outlines(jump);
     let mut clear: Vec<&Facet> = facets.iter().filter(|f| f.opacity < 1.0).collect();
     let depth = |f: &Facet| f.corners.iter().map(|c| c[2]).sum::<f64>();
     clear.sort_by(|a, b| depth(b).total_cmp(&depth(a)));
-    clear.into_iter().for_each(|f| samples.fill(f));
-    samples.averaged(width, height)
+    clear.into_iter().for_each(|f| samples.fill_facet(f));
+    samples.average_samples(width, height)
 }
 
 impl Samples {
-    fn fill(&mut self, facet: &Facet) {
+    fn fill_facet(&mut self, facet: &Facet) {
         let [a, b, c] = facet.corners.map(|p| [p[0] * FINE as f64, p[1] * FINE as f64, p[2]]);
         let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         if twice == 0.0 || !twice.is_finite() {
@@ -65,18 +65,20 @@ impl Samples {
                 let side = |u: Point3, v: Point3| (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]);
                 let parts = [side(b, c) / twice, side(c, a) / twice, side(a, b) / twice];
                 if parts.iter().all(|t| *t >= 0.0) {
-                    self.set(row * self.width + column, facet, parts);
+                    self.set_sample(row * self.width + column, facet, parts);
                 }
             }
         }
     }
 
-    fn set(&mut self, index: usize, facet: &Facet, parts: [f64; 3]) {
+    fn set_sample(&mut self, index: usize, facet: &Facet, parts: [f64; 3]) {
         let depth: f64 = (0..3).map(|k| parts[k] * facet.corners[k][2]).sum();
         if depth >= self.depth[index] {
             return;
         }
-        let channel = |of: fn(&Colour) -> u8| (0..3).map(|k| parts[k] * f64::from(of(&facet.colours[k]))).sum::<f64>();
+        let channel = |channel_value: fn(&Colour) -> u8| {
+            (0..3).map(|k| parts[k] * f64::from(channel_value(&facet.colours[k]))).sum::<f64>()
+        };
         let (new, alpha) = ([channel(|c| c.0), channel(|c| c.1), channel(|c| c.2), 1.0], facet.opacity.min(1.0));
         for (old, new) in self.light[index].iter_mut().zip(new) {
             *old = *old * (1.0 - alpha) + new * alpha;
@@ -87,7 +89,7 @@ impl Samples {
     }
 
     /// Darkens the near side of every jump in depth.
-    fn outline(&mut self, jump: f64) {
+    fn draw_outlines(&mut self, jump: f64) {
         let (w, h) = (self.width, self.height);
         let far = |index: usize, beside: usize| self.depth[beside] - self.depth[index] > jump;
         let edge = |index: &usize| {
@@ -104,7 +106,7 @@ impl Samples {
         }
     }
 
-    fn averaged(&self, width: usize, height: usize) -> Raster {
+    fn average_samples(&self, width: usize, height: usize) -> Raster {
         let mut pixels = Vec::with_capacity(width * height * 4);
         for (row, column) in (0..height).flat_map(|r| (0..width).map(move |c| (r, c))) {
             let mut sum = [0.0; 4];
@@ -134,7 +136,7 @@ mod tests {
     }
 
     fn middle(facets: &[Facet]) -> Vec<u8> {
-        let picture = render(facets, 5, 5, f64::INFINITY);
+        let picture = render_facets(facets, 5, 5, f64::INFINITY);
         picture.pixels[4 * 12..4 * 13].to_vec()
     }
 
@@ -159,7 +161,7 @@ mod tests {
             colours: [RED; 3],
             opacity: 1.0,
         };
-        let picture = render(&[half(0, 1, 2), half(0, 2, 3)], 9, 9, f64::INFINITY);
+        let picture = render_facets(&[half(0, 1, 2), half(0, 2, 3)], 9, 9, f64::INFINITY);
         for (row, column) in (1..8).flat_map(|r| (1..8).map(move |c| (r, c))) {
             assert_eq!(picture.pixels[4 * (9 * row + column) + 3], 255);
         }
@@ -171,7 +173,7 @@ mod tests {
         let other = [[0.0, 0.0, 0.0], [0.5, 3.0, 0.0], [0.0, 3.0, 0.0]];
         let facets = [corners, other].map(|corners| Facet { corners, colours: [RED; 3], opacity: 1.0 });
         // 3 samples a dot: a half is met as one or two thirds
-        let cover = render(&facets, 1, 1, f64::INFINITY).pixels[3];
+        let cover = render_facets(&facets, 1, 1, f64::INFINITY).pixels[3];
         assert!((80..=175).contains(&cover), "{cover}");
     }
 }
