@@ -52,7 +52,7 @@ pub fn regular(path: &Path) -> io::Result<u64> {
 pub fn regular_file(metadata: &fs::Metadata) -> io::Result<u64> {
     match metadata.is_file() {
         true => Ok(metadata.len()),
-        false => Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {}, not a file", kind(metadata)))),
+        false => Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {}, not a file", kind_of_file(metadata)))),
     }
 }
 
@@ -63,9 +63,9 @@ fn too_large(length: u64, limit: u64) -> io::Error {
 }
 
 #[cfg(unix)]
-fn kind(of: &fs::Metadata) -> &'static str {
+fn kind_of_file(metadata: &fs::Metadata) -> &'static str {
     use std::os::unix::fs::FileTypeExt;
-    let kind = of.file_type();
+    let kind = metadata.file_type();
     match () {
         () if kind.is_dir() => "a folder",
         () if kind.is_fifo() => "a FIFO",
@@ -75,8 +75,8 @@ fn kind(of: &fs::Metadata) -> &'static str {
 }
 
 #[cfg(not(unix))]
-fn kind(of: &fs::Metadata) -> &'static str {
-    if of.is_dir() { "a folder" } else { "a device" }
+fn kind_of_file(metadata: &fs::Metadata) -> &'static str {
+    if metadata.is_dir() { "a folder" } else { "a device" }
 }
 
 #[cfg(test)]

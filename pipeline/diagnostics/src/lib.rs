@@ -110,8 +110,8 @@ impl Diagnostic {
 
     /// A file that could not be opened, read or written.
     pub fn io(file: &Path, error: std::io::Error, action: impl fmt::Display) -> Self {
-        let why = error.to_string().to_lowercase();
-        Self::file(file, "the file cannot be used", why, action).caused_by(error)
+        let reason = error.to_string().to_lowercase();
+        Self::file(file, "the file cannot be used", reason, action).caused_by(error)
     }
 
     /// The end of a computation that was asked to end.
@@ -184,10 +184,10 @@ impl<E: Error + Send + Sync + 'static> From<E> for Diagnostic {
     fn from(error: E) -> Self {
         let text = error.to_string();
         let (what, rest) = text.split_once(WHY).unwrap_or((&text, ""));
-        let (why, action) = rest.split_once(ACTION).unwrap_or((rest, ""));
+        let (reason, action) = rest.split_once(ACTION).unwrap_or((rest, ""));
         let below = || error.source().map(ToString::to_string).filter(|below| !text.contains(below.as_str()));
-        let why = if why.is_empty() { below().unwrap_or_default() } else { why.to_owned() };
-        Self::new(what, why, action).caused_by(error)
+        let reason = if reason.is_empty() { below().unwrap_or_default() } else { reason.to_owned() };
+        Self::new(what, reason, action).caused_by(error)
     }
 }
 
@@ -201,8 +201,8 @@ impl PartialEq for Diagnostic {
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.line {
-            Some(line) => write!(f, "{}, line {line}", echo::line(&self.file.display().to_string())),
-            None => write!(f, "{}", echo::line(&self.file.display().to_string())),
+            Some(line) => write!(f, "{}, line {line}", echo::escaped_token(&self.file.display().to_string())),
+            None => write!(f, "{}", echo::escaped_token(&self.file.display().to_string())),
         }
     }
 }
@@ -210,18 +210,18 @@ impl fmt::Display for Location {
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.subject.is_empty() {
-            write!(f, "{}: ", echo::line(&self.subject))?;
+            write!(f, "{}: ", echo::escaped_token(&self.subject))?;
         }
         if let Some(location) = &self.location {
             write!(f, "{location}: ")?;
         }
-        f.write_str(&echo::text(&self.what))?;
+        f.write_str(&echo::escaped_message(&self.what))?;
         for (label, text) in [(WHY, &self.why), (ACTION, &self.action)] {
             if !text.is_empty() {
-                write!(f, "{label}{}", echo::text(text))?;
+                write!(f, "{label}{}", echo::escaped_message(text))?;
             }
         }
-        self.notes.iter().try_for_each(|note| write!(f, "\n  {}", echo::text(note)))
+        self.notes.iter().try_for_each(|note| write!(f, "\n  {}", echo::escaped_message(note)))
     }
 }
 

@@ -29,39 +29,39 @@ static OPTIONS: OnceLock<String> = OnceLock::new();
 
 /// Sets what commands repeat, once for the process.
 pub fn repeat_options(options: &[(&str, &str)]) {
-    let text = options.iter().map(|(name, value)| format!(" {name} {}", quoted(value))).collect();
+    let text = options.iter().map(|(name, value)| format!(" {name} {}", quote_word(value))).collect();
     // the first call decides: a program reads its command line once
     let _ = OPTIONS.set(text);
 }
 
 /// A text whose commands repeat the options that were set.
-pub(crate) fn complete(text: &str) -> Cow<'_, str> {
+pub(crate) fn with_options(text: &str) -> Cow<'_, str> {
     match OPTIONS.get().filter(|options| !options.is_empty()) {
         Some(options) if text.contains(NEXT_MOVE) => {
-            Cow::Owned(text.split_inclusive('\n').map(|line| with(line, options)).collect())
+            Cow::Owned(text.split_inclusive('\n').map(|line| append_options(line, options)).collect())
         }
         _ => Cow::Borrowed(text),
     }
 }
 
 /// A line with the options behind each command of its next move.
-fn with(line: &str, options: &str) -> String {
+fn append_options(line: &str, options: &str) -> String {
     let Some((before, mut rest)) = line.split_once(NEXT_MOVE) else { return line.to_owned() };
-    let mut whole = format!("{before}{NEXT_MOVE}");
+    let mut completed = format!("{before}{NEXT_MOVE}");
     while let Some(end) = COMMANDS.iter().filter_map(|command| Some(rest.find(command)? + command.len())).min() {
         let (command, after) = rest.split_at(end);
-        whole += command;
+        completed += command;
         // a longer word is another one
         if !after.starts_with(|c: char| c.is_alphanumeric() || c == '_') {
-            whole += options;
+            completed += options;
         }
         rest = after;
     }
-    whole + rest
+    completed + rest
 }
 
 /// A word as a POSIX shell reads it back.
-fn quoted(word: &str) -> String {
+fn quote_word(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         word.to_owned()
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn every_command_of_a_next_move_repeats_the_options_and_nothing_else_does() {
         let options = " --root /p --profile quick";
-        let line = |text: &str| with(text, options);
+        let line = |text: &str| append_options(text, options);
         assert_eq!(
             line("  do:  study run mesh, or study plan\n"),
             format!("  do:  study run{options} mesh, or study plan{options}\n")
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_folder_with_spaces_or_quotes_is_one_word() {
-        assert_eq!(quoted("/p/quick-1"), "/p/quick-1");
-        assert_eq!(quoted("a b'c$(d)"), r"'a b'\''c$(d)'");
+        assert_eq!(quote_word("/p/quick-1"), "/p/quick-1");
+        assert_eq!(quote_word("a b'c$(d)"), r"'a b'\''c$(d)'");
     }
 }

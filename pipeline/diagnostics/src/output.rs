@@ -30,11 +30,12 @@ impl Stream {
     }
 
     /// Writes and flushes a text; returns the failure that a person should hear of, once.
-    fn write(&self, to: &mut dyn Write, text: &str) -> Option<io::Error> {
+    fn write_text(&self, to: &mut dyn Write, text: &str) -> Option<io::Error> {
         if self.closed.load(Ordering::Relaxed) {
             return None;
         }
-        let error = to.write_all(escaped(&next_move::complete(text)).as_bytes()).and_then(|()| to.flush()).err()?;
+        let error =
+            to.write_all(escape_controls(&next_move::with_options(text)).as_bytes()).and_then(|()| to.flush()).err()?;
         let first = !self.closed.swap(true, Ordering::Relaxed);
         if error.kind() == ErrorKind::BrokenPipe {
             return None;
@@ -45,7 +46,7 @@ impl Stream {
 }
 
 /// A text with its control characters but line ends and tabulators as `\u{1b}`.
-fn escaped(text: &str) -> Cow<'_, str> {
+fn escape_controls(text: &str) -> Cow<'_, str> {
     let harmful = |c: char| c.is_control() && c != '\n' && c != '\t';
     if !text.contains(harmful) {
         return Cow::Borrowed(text);
@@ -56,12 +57,12 @@ fn escaped(text: &str) -> Cow<'_, str> {
 
 /// Prints a line on standard output.
 pub fn line(text: impl std::fmt::Display) {
-    out(&format!("{text}\n"));
+    write_output(&format!("{text}\n"));
 }
 
 /// Prints a text on standard output as it is.
 pub fn text(text: impl std::fmt::Display) {
-    out(&text.to_string());
+    write_output(&text.to_string());
 }
 
 /// Prints a line on standard error.
@@ -69,7 +70,7 @@ pub fn note(text: impl std::fmt::Display) {
     // One write a line: lines of several workers do not mix.
     let line = format!("{text}\n");
     // There is no third stream that could report a failure of this one.
-    let _ = STDERR.write(&mut io::stderr().lock(), &line);
+    let _ = STDERR.write_text(&mut io::stderr().lock(), &line);
 }
 
 /// Whether standard output could not take all that was printed, for another reason than a reader that has gone.
@@ -77,8 +78,8 @@ pub fn failed() -> bool {
     STDOUT.failed.load(Ordering::Relaxed)
 }
 
-fn out(text: &str) {
-    if let Some(error) = STDOUT.write(&mut io::stdout().lock(), text) {
+fn write_output(text: &str) {
+    if let Some(error) = STDOUT.write_text(&mut io::stdout().lock(), text) {
         note(format_args!(
             "error: the output is not whole\n  why: {}\n  do:  free some space where it goes, or name another place",
             error.to_string().to_lowercase()
@@ -105,31 +106,31 @@ mod tests {
     #[test]
     fn a_full_disk_is_reported_once() {
         let stream = Stream::new();
-        assert!(stream.write(&mut Failing(ErrorKind::StorageFull), "a").is_some());
-        assert!(stream.write(&mut Failing(ErrorKind::StorageFull), "b").is_none());
+        assert!(stream.write_text(&mut Failing(ErrorKind::StorageFull), "a").is_some());
+        assert!(stream.write_text(&mut Failing(ErrorKind::StorageFull), "b").is_none());
         assert!(stream.failed.load(Ordering::Relaxed));
     }
 
     #[test]
     fn a_program_learns_that_its_output_is_not_whole() {
         assert!(!failed());
-        STDOUT.write(&mut Failing(ErrorKind::StorageFull), "a");
+        STDOUT.write_text(&mut Failing(ErrorKind::StorageFull), "a");
         assert!(failed());
     }
 
     #[test]
     fn a_name_from_a_file_does_not_reach_the_terminal_as_a_command() {
-        assert_eq!(escaped("a\u{1b}[2Jb\n"), "a\\u{1b}[2Jb\n");
-        assert!(matches!(escaped("region `fäß`\n"), Cow::Borrowed(_)));
+        assert_eq!(escape_controls("a\u{1b}[2Jb\n"), "a\\u{1b}[2Jb\n");
+        assert!(matches!(escape_controls("region `fäß`\n"), Cow::Borrowed(_)));
     }
 
     #[test]
     fn a_reader_that_has_gone_is_no_failure_and_is_not_written_to_again() {
         let stream = Stream::new();
-        assert!(stream.write(&mut Failing(ErrorKind::BrokenPipe), "a").is_none());
+        assert!(stream.write_text(&mut Failing(ErrorKind::BrokenPipe), "a").is_none());
         assert!(!stream.failed.load(Ordering::Relaxed));
         let mut kept = Vec::new();
-        assert!(stream.write(&mut kept, "b").is_none());
+        assert!(stream.write_text(&mut kept, "b").is_none());
         assert!(kept.is_empty());
     }
 }

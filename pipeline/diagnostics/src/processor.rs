@@ -14,11 +14,11 @@ const REFUSAL: &[u8] = b"error: this program cannot run on this processor\n  \
 // Not inlined, nor is the program, whose first instructions may be of the newer kind.
 #[inline(never)]
 pub fn run(program: fn() -> ExitCode) -> ExitCode {
-    if is_new_enough() { program() } else { refuse() }
+    if is_new_enough() { program() } else { refuse_processor() }
 }
 
 #[inline(never)]
-fn refuse() -> ExitCode {
+fn refuse_processor() -> ExitCode {
     use std::io::Write;
     // where the reader of standard error has gone, the exit code still tells
     drop(std::io::stderr().write_all(REFUSAL));
@@ -32,7 +32,7 @@ fn is_new_enough() -> bool {
 
 /// Bits of a register that features have which the program is compiled for.
 #[cfg(target_arch = "x86_64")]
-const fn bits(features: &[(bool, u32)]) -> u32 {
+const fn feature_bits(features: &[(bool, u32)]) -> u32 {
     let (mut bits, mut k) = (0, 0);
     while k < features.len() {
         bits |= (features[k].0 as u32) << features[k].1;
@@ -43,7 +43,7 @@ const fn bits(features: &[(bool, u32)]) -> u32 {
 
 /// ECX of leaf 1; bit 27: the system keeps AVX registers.
 #[cfg(target_arch = "x86_64")]
-const FIRST: u32 = bits(&[
+const FIRST: u32 = feature_bits(&[
     (cfg!(target_feature = "sse3"), 0),
     (cfg!(target_feature = "ssse3"), 9),
     (cfg!(target_feature = "fma"), 12),
@@ -58,7 +58,7 @@ const FIRST: u32 = bits(&[
 ]);
 /// EBX of leaf 7.
 #[cfg(target_arch = "x86_64")]
-const SEVENTH: u32 = bits(&[
+const SEVENTH: u32 = feature_bits(&[
     (cfg!(target_feature = "bmi1"), 3),
     (cfg!(target_feature = "avx2"), 5),
     (cfg!(target_feature = "bmi2"), 8),
@@ -66,7 +66,7 @@ const SEVENTH: u32 = bits(&[
 ]);
 /// ECX of leaf 0x8000_0001.
 #[cfg(target_arch = "x86_64")]
-const EXTENDED: u32 = bits(&[(cfg!(target_feature = "lzcnt"), 5)]);
+const EXTENDED: u32 = feature_bits(&[(cfg!(target_feature = "lzcnt"), 5)]);
 
 /// Whether the processor has the features that the program is compiled for, of those of x86-64-v3.
 #[cfg(target_arch = "x86_64")]
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_processor_that_cannot_run_it_fails_with_three_parts() {
-        assert_eq!(refuse(), ExitCode::FAILURE);
+        assert_eq!(refuse_processor(), ExitCode::FAILURE);
         let text = std::str::from_utf8(REFUSAL).unwrap();
         assert!(text.contains("\n  why: ") && text.contains("\n  do:  ") && text.lines().count() == 3);
     }

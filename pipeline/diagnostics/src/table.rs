@@ -31,26 +31,26 @@ pub fn line_of_offset(text: &str, offset: usize) -> usize {
 pub fn line_of_path(text: &str, path: &str) -> Option<usize> {
     let (root, _) = DeTable::parse_recoverable(text);
     let mut parts = path.split('.');
-    let mut here = root.get_ref().get(parts.next()?)?;
+    let mut value = root.get_ref().get(parts.next()?)?;
     for part in parts {
-        let next = match here.get_ref() {
+        let next = match value.get_ref() {
             DeValue::Table(table) => table.get(part),
             DeValue::Array(array) => part.parse().ok().and_then(|index: usize| array.get(index)),
             _ => None,
         };
         match next {
-            Some(next) => here = next,
+            Some(next) => value = next,
             None => break,
         }
     }
-    Some(line_of_offset(text, here.span().start))
+    Some(line_of_offset(text, value.span().start))
 }
 
 /// Calls `see` with the path of the key of every value, from the outside to the inside.
-fn walk(text: &str, see: &mut dyn FnMut(&str, &Spanned<DeValue>)) {
-    fn enter(key: &str, value: &Spanned<DeValue>, see: &mut dyn FnMut(&str, &Spanned<DeValue>)) {
+fn walk_values(text: &str, see: &mut dyn FnMut(&str, &Spanned<DeValue>)) {
+    fn enter_value(key: &str, value: &Spanned<DeValue>, see: &mut dyn FnMut(&str, &Spanned<DeValue>)) {
         see(key, value);
-        let mut child = |name: &dyn Display, value| enter(&format!("{key}.{name}"), value, see);
+        let mut child = |name: &dyn Display, value| enter_value(&format!("{key}.{name}"), value, see);
         match value.get_ref() {
             DeValue::Table(table) => table.iter().for_each(|(name, value)| child(name.get_ref(), value)),
             DeValue::Array(array) => array.iter().enumerate().for_each(|(i, value)| child(&i, value)),
@@ -58,13 +58,13 @@ fn walk(text: &str, see: &mut dyn FnMut(&str, &Spanned<DeValue>)) {
         }
     }
     let (root, _) = DeTable::parse_recoverable(text);
-    root.get_ref().iter().for_each(|(name, value)| enter(name.get_ref(), value, see));
+    root.get_ref().iter().for_each(|(name, value)| enter_value(name.get_ref(), value, see));
 }
 
 /// Every number of a page, in the order of its keys.
 pub fn numbers(text: &str) -> Vec<Number> {
     let mut numbers = Vec::new();
-    walk(text, &mut |key, value| {
+    walk_values(text, &mut |key, value| {
         let number = match value.get_ref() {
             DeValue::Float(float) => float.as_str().parse().ok(),
             // more digits than an integer holds are refused by the parser; here they have a value, and so a range
@@ -82,14 +82,14 @@ pub fn numbers(text: &str) -> Vec<Number> {
 ///
 /// # Errors
 /// A [`Diagnostic`] with the key and its line.
-pub fn finite(text: &str, path: &Path, see: &str) -> Result<()> {
+pub fn check_finite(text: &str, path: &Path, see: &str) -> Result<()> {
     match numbers(text).into_iter().find(|number| !number.value.is_finite()) {
         None => Ok(()),
         Some(Number { key, value, span }) => {
-            let what = format!("{key} = {value} is not a finite number");
-            let why = "neither a quantity nor a limit is NaN or infinite: a limit that is would never be exceeded";
+            let message = format!("{key} = {value} is not a finite number");
+            let reason = "neither a quantity nor a limit is NaN or infinite: a limit that is would never be exceeded";
             let line = line_of_offset(text, span.start);
-            Err(Diagnostic::file(path, what, why, format!("write a number; {see}")).at_line(line))
+            Err(Diagnostic::file(path, message, reason, format!("write a number; {see}")).at_line(line))
         }
     }
 }
@@ -99,20 +99,20 @@ pub fn finite(text: &str, path: &Path, see: &str) -> Result<()> {
 pub fn toml_error(text: &str, path: &Path, error: &toml::de::Error, see: &str) -> Diagnostic {
     let message = error.message().lines().collect::<Vec<_>>().join(" ");
     let (what, expected) = message.split_once(", expected ").unwrap_or((&message, ""));
-    let why = match expected {
+    let reason = match expected {
         "" => "a page holds every key of its tables once, with the type and unit it is documented with".to_owned(),
         words => format!("expected {words}"),
     };
     let line = error.span().map(|span| line_of_offset(text, span.start));
     let key = error.span().and_then(|span| key_of_span(text, &span));
     let named = key.map_or_else(|| what.to_owned(), |key| format!("{key}: {what}"));
-    Diagnostic::file(path, named, why, action_for(what, expected, see)).at_line(line)
+    Diagnostic::file(path, named, reason, action_for(what, expected, see)).at_line(line)
 }
 
 /// The path of the key whose value takes these bytes.
 fn key_of_span(text: &str, span: &Range<usize>) -> Option<String> {
     let mut path = None;
-    walk(text, &mut |key, value| {
+    walk_values(text, &mut |key, value| {
         if value.span() == *span {
             path = Some(key.to_owned());
         }
@@ -122,12 +122,12 @@ fn key_of_span(text: &str, span: &Range<usize>) -> Option<String> {
 
 fn action_for(what: &str, expected: &str, see: &str) -> String {
     let quoted = |text: &str| text.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
-    let known = quoted(expected);
-    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    let expected_words = quoted(expected);
+    let expected_words: Vec<&str> = expected_words.iter().map(String::as_str).collect();
     let wrong = quoted(what);
-    let near = wrong.first().and_then(|word| nearest(word, &known).map(|near| (word, near)));
-    match near {
-        Some((word, near)) => format!("write `{near}` instead of `{word}`, or take the line out"),
+    let suggestion = wrong.first().and_then(|word| nearest(word, &expected_words).map(|suggestion| (word, suggestion)));
+    match suggestion {
+        Some((word, suggestion)) => format!("write `{suggestion}` instead of `{word}`, or take the line out"),
         None if what.starts_with("unknown") => format!("take the line out; {see}"),
         None if what.starts_with("missing field") => format!("add it; {see}"),
         None => format!("correct it; {see}"),
@@ -193,10 +193,10 @@ mod tests {
     fn nan_and_infinities_are_refused_with_key_and_line_however_deep_they_stand() {
         for number in ["nan", "-nan", "inf", "-inf", "+inf", "1e400", "-1e400"] {
             let text = format!("[a]\nb = [1.0, {{ c = {number} }}]\n");
-            let refused = finite(&text, Path::new("page.toml"), "see the manual").unwrap_err().to_string();
+            let refused = check_finite(&text, Path::new("page.toml"), "see the manual").unwrap_err().to_string();
             assert!(refused.starts_with("page.toml, line 2: a.b.1.c = ") && refused.contains("finite"), "{refused}");
         }
-        assert!(finite("a = 1e308\nb = -1\n", Path::new("page.toml"), "").is_ok());
+        assert!(check_finite("a = 1e308\nb = -1\n", Path::new("page.toml"), "").is_ok());
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub fn parse<T: DeserializeOwned>(
     check: impl FnOnce(&T) -> Checked,
 ) -> Result<T, Diagnostic> {
     let page: T = toml::from_str(text).map_err(|e| toml_error(text, path, &e, see))?;
-    diagnostics::table::finite(text, path, see)?;
+    diagnostics::table::check_finite(text, path, see)?;
     check(&page).map_err(|violation| {
         let line = line_of_path(text, &violation.key);
         Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)

@@ -76,7 +76,7 @@ impl Settings {
     /// A [`Diagnostic`] that names the line, a number of any profile that is not finite, or the unknown section and the nearest known ones.
     pub fn read(text: &str, profile: Profile, schema: Schema) -> Result<Self> {
         let mut table: Table = toml::from_str(text).map_err(|e| table::toml_error(text, Path::new(FILE), &e, SEE))?;
-        table::finite(text, Path::new(FILE), SEE)?;
+        table::check_finite(text, Path::new(FILE), SEE)?;
         for other_profile in Profile::ALL.into_iter().filter(|p| *p != Profile::Paper) {
             match table.remove(other_profile.name()) {
                 Some(Value::Table(overrides)) if other_profile == profile => lay_over(&mut table, overrides),
