@@ -51,7 +51,7 @@ impl DofMap {
     }
 
     /// One entry per dof from 3 entries per node.
-    fn gathered(&self, full: &[f64]) -> Vec<f64> {
+    fn gather_dofs(&self, full: &[f64]) -> Vec<f64> {
         self.full_index.iter().map(|&at| full[at as usize]).collect()
     }
 
@@ -77,13 +77,13 @@ impl BodyProblem {
         solver.set_forces(&load.forces)?;
         check_fed(system, &solver, &load.pressures)?;
         let displacement = vec![0.0; 3 * system.mesh().nodes.len()];
-        let at = Equilibrium { displacement, pressures: load.pressures.clone(), ..Equilibrium::default() };
-        let tangent = solver.assemble(&at)?;
+        let undeformed = Equilibrium { displacement, pressures: load.pressures.clone(), ..Equilibrium::default() };
+        let tangent = solver.assemble(&undeformed)?;
         let dof_map = DofMap { full_index: tangent.full_index.to_vec(), nodes: system.mesh().nodes.len() };
         let factor = IndefiniteFactor::new(&tangent)?;
         let (factorised, entries) = (dof_map.clone(), tangent.rows.len());
         let (start, size) = (vec![0.0; dof_map.full_index.len()], system.mesh().size());
-        let mut problem = Self { solver, load, factor, dof_map, factorised, entries, at, start, size };
+        let mut problem = Self { solver, load, factor, dof_map, factorised, entries, at: undeformed, start, size };
         if problem.load(&problem.start(), 0.0).iter().all(|&force| force == 0.0) {
             let why = "a path of equilibria follows a load that grows";
             return Err(ContinuationError::Load { what: "the load moves nothing".into(), why });
@@ -93,7 +93,7 @@ impl BodyProblem {
 
     /// The same body, its path beginning near `displacement` (3 entries per node, m).
     pub fn starting_at(mut self, displacement: &[f64]) -> Self {
-        self.start = self.dof_map.gathered(displacement);
+        self.start = self.dof_map.gather_dofs(displacement);
         self
     }
 
@@ -103,7 +103,7 @@ impl BodyProblem {
     }
 
     /// Pressures at a load factor, Pa; the dead forces are set.
-    fn apply(&mut self, load_factor: f64) -> Option<Vec<Pascal>> {
+    fn apply_load(&mut self, load_factor: f64) -> Option<Vec<Pascal>> {
         if !self.load.forces.is_empty() {
             let forces: Vec<f64> = self.load.forces.iter().map(|force| load_factor * force).collect();
             self.solver.set_forces(&forces).ok()?;
@@ -126,20 +126,20 @@ impl Problem for BodyProblem {
     }
 
     fn residual(&mut self, u: &[f64], load_factor: f64) -> Option<Vec<f64>> {
-        let pressures = self.apply(load_factor)?;
-        let residual = self.dof_map.gathered(&self.solver.residual(&self.dof_map.full(u), &pressures).ok()?);
+        let pressures = self.apply_load(load_factor)?;
+        let residual = self.dof_map.gather_dofs(&self.solver.residual(&self.dof_map.full(u), &pressures).ok()?);
         residual.iter().all(|entry| entry.is_finite()).then_some(residual)
     }
 
     // The residual is linear in the load factor, so that the difference is exact.
     fn load(&mut self, u: &[f64], _load_factor: f64) -> Vec<f64> {
-        let without = self.residual(u, 0.0).unwrap_or_default();
-        let with = self.residual(u, 1.0).unwrap_or_default();
-        without.iter().zip(&with).map(|(without, with)| without - with).collect()
+        let unloaded = self.residual(u, 0.0).unwrap_or_default();
+        let loaded = self.residual(u, 1.0).unwrap_or_default();
+        unloaded.iter().zip(&loaded).map(|(unloaded, loaded)| unloaded - loaded).collect()
     }
 
     fn factorise(&mut self, u: &[f64], load_factor: f64, previous: Option<&[f64]>) -> Option<usize> {
-        let pressures = self.apply(load_factor)?;
+        let pressures = self.apply_load(load_factor)?;
         self.at = Equilibrium { displacement: self.dof_map.full(u), pressures, ..Equilibrium::default() };
         let tangent = match previous.map(|previous| self.dof_map.full(previous)) {
             Some(previous) => self.solver.assemble_mixed(&self.at, &previous),
@@ -156,16 +156,16 @@ impl Problem for BodyProblem {
     }
 
     fn solve(&mut self, x: &mut [f64]) {
-        let mut ordered = self.factorised.gathered(&self.dof_map.full(x));
+        let mut ordered = self.factorised.gather_dofs(&self.dof_map.full(x));
         self.factor.solve(&mut ordered);
-        x.copy_from_slice(&self.dof_map.gathered(&self.factorised.full(&ordered)));
+        x.copy_from_slice(&self.dof_map.gather_dofs(&self.factorised.full(&ordered)));
     }
 }
 
 /// # Errors
 /// [`ContinuationError`] when there is not one pressure per chamber, or a chamber is sealed.
 fn check_fed(system: &System, solver: &Solver, pressures: &[Pascal]) -> Result<(), ContinuationError> {
-    let expansion: Vec<f64> = system.mesh().nodes.iter().flat_map(|at| at.map(|x| PROBE * x)).collect();
+    let expansion: Vec<f64> = system.mesh().nodes.iter().flat_map(|node| node.map(|x| PROBE * x)).collect();
     solver.residual(&expansion, pressures)?;
     for (chamber, &pressure) in pressures.iter().enumerate() {
         if solver.chamber_pressure(chamber, &expansion, pressures)? != pressure {

@@ -18,7 +18,7 @@ const ATTEMPTS: usize = 4;
 ///
 /// # Errors
 /// [`StepFailure`] of the last attempt.
-pub(crate) fn secondary(
+pub(crate) fn secondary_branch(
     corrector: &mut Corrector,
     bifurcation: &CriticalPoint,
     branch: Branch,
@@ -27,18 +27,18 @@ pub(crate) fn secondary(
     let sign = if branch == Branch::AgainstMode { -1.0 } else { 1.0 };
     let normal: Vec<f64> = bifurcation.mode.iter().map(|entry| sign * entry).collect();
     let mut distance = amplitude / sparse::max_abs(&normal);
-    let mut found = Err(StepFailure::Singular);
+    let mut sample = Err(StepFailure::Singular);
     for _ in 0..ATTEMPTS {
         let mut u = bifurcation.displacement.clone();
         sparse::add(&mut u, distance, &normal);
         let previous = Some(bifurcation.displacement.as_slice());
         let guess = Guess { u, load_factor: bifurcation.load_factor, previous };
         let plane = Constraint::Plane { centre: &bifurcation.displacement, normal: &normal, distance };
-        found = corrector.solve(guess, plane, Accuracy::Watch);
-        if found.is_ok() {
+        sample = corrector.solve(guess, plane, Accuracy::Watch);
+        if sample.is_ok() {
             break;
         }
         distance *= 2.0;
     }
-    found
+    sample
 }

@@ -27,16 +27,16 @@ pub(crate) struct Linearised {
 }
 
 impl Constraint<'_> {
-    pub fn at(&self, u: &[f64], load_factor: f64) -> Linearised {
-        let away = |centre: &[f64]| -> Vec<f64> { u.iter().zip(centre).map(|(u, centre)| u - centre).collect() };
+    pub fn linearise_at(&self, u: &[f64], load_factor: f64) -> Linearised {
+        let offset_from = |centre: &[f64]| -> Vec<f64> { u.iter().zip(centre).map(|(u, centre)| u - centre).collect() };
         match *self {
             Self::Cylinder { centre, radius } => {
-                let by_u = away(centre);
+                let by_u = offset_from(centre);
                 let value = 0.5 * (sparse::dot(&by_u, &by_u) - radius * radius);
                 Linearised { value, by_u, by_load_factor: 0.0 }
             }
             Self::Plane { centre, normal, distance } => {
-                let value = sparse::dot(normal, &away(centre)) - distance;
+                let value = sparse::dot(normal, &offset_from(centre)) - distance;
                 Linearised { value, by_u: normal.to_vec(), by_load_factor: 0.0 }
             }
             Self::LoadFactor(goal) => Linearised { value: load_factor - goal, by_u: Vec::new(), by_load_factor: 1.0 },
@@ -47,8 +47,8 @@ impl Constraint<'_> {
 impl Linearised {
     /// dλ of the bordered system [K −q; a b] (du, dλ) = (−r, −g) by block elimination, from K⁻¹(−r) and K⁻¹ q.
     pub fn load_step(&self, by_residual: &[f64], by_load: &[f64]) -> f64 {
-        let along = |x: &[f64]| sparse::dot(&self.by_u, x);
-        -(self.value + along(by_residual)) / (self.by_load_factor + along(by_load))
+        let along_constraint = |x: &[f64]| sparse::dot(&self.by_u, x);
+        -(self.value + along_constraint(by_residual)) / (self.by_load_factor + along_constraint(by_load))
     }
 }
 
@@ -67,9 +67,9 @@ mod tests {
         for constraint in all {
             let along = |step: f64| {
                 let moved: Vec<f64> = u.iter().zip(v).map(|(u, v)| u + step * v).collect();
-                constraint.at(&moved, 0.7 + step).value
+                constraint.linearise_at(&moved, 0.7 + step).value
             };
-            let exact = constraint.at(&u, 0.7);
+            let exact = constraint.linearise_at(&u, 0.7);
             let exact = sparse::dot(&exact.by_u, &v) + exact.by_load_factor;
             assert!(((along(1e-5) - along(-1e-5)) / 2e-5 - exact).abs() < 1e-9, "{constraint:?}");
         }

@@ -42,23 +42,23 @@ impl Corrector<'_> {
     pub fn solve(&mut self, guess: Guess, constraint: Constraint, accuracy: Accuracy) -> Result<Sample, StepFailure> {
         let Guess { u, load_factor, previous } = guess;
         let residual = self.problem.residual(&u, load_factor).ok_or(StepFailure::NotDefined)?;
-        let mut at = Iterate { u, load_factor, residual };
+        let mut iterate = Iterate { u, load_factor, residual };
         let mut previous = previous.map(<[f64]>::to_vec);
         let mut step = f64::INFINITY;
         for iterations in 1..=MAX_ITERATIONS {
-            let from = previous.as_deref().filter(|_| step > EXACT_BELOW * self.problem.size());
-            let is_exact = from.is_none();
-            let newton = self.newton_step(&at, from, &constraint)?;
+            let predecessor = previous.as_deref().filter(|_| step > EXACT_BELOW * self.problem.size());
+            let is_exact = predecessor.is_none();
+            let newton = self.newton_step(&iterate, predecessor, &constraint)?;
             step = sparse::max_abs(&newton.du);
             if step > MAX_NEWTON_STEP * self.problem.size() {
                 return Err(StepFailure::IterationLimit { step, iterations });
             }
-            let next = self.moved(&at, &newton).ok_or(StepFailure::NotDefined)?;
-            previous = Some(std::mem::replace(&mut at, next).u);
+            let next = self.take_step(&iterate, &newton).ok_or(StepFailure::NotDefined)?;
+            previous = Some(std::mem::replace(&mut iterate, next).u);
             // The inertia of an approximate tangent is not that of the path.
             if step <= self.tolerance && is_exact {
-                let pairs = self.subspace.refine(&mut |x| self.problem.solve(x), accuracy);
-                let (Iterate { u, load_factor, .. }, Newton { by_load, negative, .. }) = (at, newton);
+                let pairs = self.subspace.refine_eigenpairs(&mut |x| self.problem.solve(x), accuracy);
+                let (Iterate { u, load_factor, .. }, Newton { by_load, negative, .. }) = (iterate, newton);
                 return Ok(Sample { u, load_factor, by_load, negative, pairs, iterations });
             }
         }
@@ -77,17 +77,17 @@ impl Corrector<'_> {
         self.problem.solve(&mut by_residual);
         let mut by_load = self.problem.load(&at.u, at.load_factor);
         self.problem.solve(&mut by_load);
-        let load_step = constraint.at(&at.u, at.load_factor).load_step(&by_residual, &by_load);
+        let load_step = constraint.linearise_at(&at.u, at.load_factor).load_step(&by_residual, &by_load);
         let mut du = by_residual;
         sparse::add(&mut du, load_step, &by_load);
         Ok(Newton { du, load_step, by_load, negative })
     }
 
     /// The whole step, or as much of it as the residual is defined for: a long one may invert an element.
-    fn moved(&mut self, at: &Iterate, newton: &Newton) -> Option<Iterate> {
+    fn take_step(&mut self, iterate: &Iterate, newton: &Newton) -> Option<Iterate> {
         let mut part = 1.0;
         for _ in 0..MAX_HALVINGS {
-            let (mut u, load_factor) = (at.u.clone(), at.load_factor + part * newton.load_step);
+            let (mut u, load_factor) = (iterate.u.clone(), iterate.load_factor + part * newton.load_step);
             sparse::add(&mut u, part, &newton.du);
             if let Some(residual) = self.problem.residual(&u, load_factor) {
                 return Some(Iterate { u, load_factor, residual });

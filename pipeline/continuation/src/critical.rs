@@ -16,47 +16,50 @@ const SAME: f64 = 1e-4;
 ///
 /// # Errors
 /// [`StepFailure`]
-pub(crate) fn locate(corrector: &mut Corrector, segment: Segment) -> Result<Vec<CriticalPoint>, StepFailure> {
-    let mut found: Vec<CriticalPoint> = Vec::new();
-    for number in crossing(segment.from.negative, segment.to.negative) {
-        let sample = segment.root(corrector, &|sample| eigenvalue(sample, number))?;
-        let mut point = describe(corrector, &sample);
+pub(crate) fn locate_critical_points(
+    corrector: &mut Corrector,
+    segment: Segment,
+) -> Result<Vec<CriticalPoint>, StepFailure> {
+    let mut points: Vec<CriticalPoint> = Vec::new();
+    for number in crossing_numbers(segment.from.negative, segment.to.negative) {
+        let sample = segment.find_root(corrector, &|sample| signed_eigenvalue(sample, number))?;
+        let mut point = describe_bifurcation(corrector, &sample);
         let rises = segment.to.negative > segment.from.negative;
         point.negative_eigenvalues = if rises { [number, number + 1] } else { [number + 1, number] };
-        match found.last_mut().filter(|last| is_same(last, &point, segment)) {
+        match points.last_mut().filter(|last| is_same(last, &point, segment)) {
             Some(last) => {
                 last.multiplicity += 1;
                 last.negative_eigenvalues[1] = point.negative_eigenvalues[1];
             }
-            None => found.push(point),
+            None => points.push(point),
         }
     }
-    if segment.turns() {
-        mark_limit_point(&mut found);
+    if segment.turns_round() {
+        mark_limit_point(&mut points);
     }
-    Ok(found)
+    Ok(points)
 }
 
 /// Numbers of the eigenvalues, in ascending order, that change their sign, in the order in which they do.
-fn crossing(before: usize, after: usize) -> Vec<usize> {
+fn crossing_numbers(before: usize, after: usize) -> Vec<usize> {
     if after > before { (before..after).collect() } else { (after..before).rev().collect() }
 }
 
 /// The eigenvalue of that number; where it is not known, its sign, so that the bracket is halved.
-fn eigenvalue(sample: &Sample, number: usize) -> f64 {
+fn signed_eigenvalue(sample: &Sample, number: usize) -> f64 {
     let sign = if number < sample.negative { f64::NEG_INFINITY } else { f64::INFINITY };
     sample.eigenvalue(number).unwrap_or(sign)
 }
 
-fn is_same(one: &CriticalPoint, other: &CriticalPoint, segment: Segment) -> bool {
+fn is_same(first: &CriticalPoint, second: &CriticalPoint, segment: Segment) -> bool {
     let span = (segment.to.load_factor - segment.from.load_factor).abs();
-    let apart: f64 = one.displacement.iter().zip(&other.displacement).map(|(a, b)| (a - b).powi(2)).sum();
-    (one.load_factor - other.load_factor).abs() <= SAME * span && apart.sqrt() <= SAME * segment.length()
+    let squared_distance: f64 = first.displacement.iter().zip(&second.displacement).map(|(a, b)| (a - b).powi(2)).sum();
+    (first.load_factor - second.load_factor).abs() <= SAME * span && squared_distance.sqrt() <= SAME * segment.length()
 }
 
 /// The critical point at `sample`, as a bifurcation.
-fn describe(corrector: &mut Corrector, sample: &Sample) -> CriticalPoint {
-    let mode = oriented(&sample.pairs[0].mode);
+fn describe_bifurcation(corrector: &mut Corrector, sample: &Sample) -> CriticalPoint {
+    let mode = orient_mode(&sample.pairs[0].mode);
     let load = corrector.problem.load(&sample.u, sample.load_factor);
     let load_along_mode = (sparse::dot(&mode, &load) / sparse::dot(&load, &load).sqrt()).abs();
     CriticalPoint {
@@ -71,10 +74,10 @@ fn describe(corrector: &mut Corrector, sample: &Sample) -> CriticalPoint {
 }
 
 /// The same mode with its entry of largest amplitude positive, the first one of those that are as large.
-fn oriented(mode: &[f64]) -> Vec<f64> {
-    let most = sparse::max_abs(mode);
+fn orient_mode(mode: &[f64]) -> Vec<f64> {
+    let largest = sparse::max_abs(mode);
     // Entries that symmetry makes equal differ by rounding.
-    let first = mode.iter().find(|entry| entry.abs() >= (1.0 - 1e-3) * most);
+    let first = mode.iter().find(|entry| entry.abs() >= (1.0 - 1e-3) * largest);
     let sign = first.map_or(1.0, |entry| entry.signum());
     mode.iter().map(|entry| sign * entry).collect()
 }
@@ -91,14 +94,14 @@ mod tests {
 
     #[test]
     fn eigenvalues_cross_in_the_order_of_the_path() {
-        assert_eq!(crossing(0, 2), [0, 1]);
-        assert_eq!(crossing(3, 1), [2, 1]);
-        assert!(crossing(2, 2).is_empty());
+        assert_eq!(crossing_numbers(0, 2), [0, 1]);
+        assert_eq!(crossing_numbers(3, 1), [2, 1]);
+        assert!(crossing_numbers(2, 2).is_empty());
     }
 
     #[test]
     fn a_mode_is_oriented_by_its_first_largest_entry() {
-        assert_eq!(oriented(&[0.1, -0.7, 0.7000001]), [-0.1, 0.7, -0.7000001]);
-        assert_eq!(oriented(&[0.5, -0.4]), [0.5, -0.4]);
+        assert_eq!(orient_mode(&[0.1, -0.7, 0.7000001]), [-0.1, 0.7, -0.7000001]);
+        assert_eq!(orient_mode(&[0.5, -0.4]), [0.5, -0.4]);
     }
 }

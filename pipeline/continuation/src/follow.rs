@@ -5,14 +5,14 @@
 //! step follows the number of Newton iterations; a step that fails, or that ends far from where the tangent leads, is
 //! halved.
 
-use crate::branch::secondary;
+use crate::branch::secondary_branch;
 use crate::constraint::Constraint;
 use crate::corrector::{Corrector, Guess};
-use crate::critical::locate;
+use crate::critical::locate_critical_points;
 use crate::error::{ContinuationError, StepFailure};
 use crate::point::{CriticalKind, CriticalPoint, Path, PathEnd, PathEvent, Sample};
 use crate::problem::Problem;
-use crate::segment::{Segment, between};
+use crate::segment::{Segment, guess_between};
 use crate::settings::{Branch, PathSettings};
 use crate::subspace::{Accuracy, Subspace};
 
@@ -40,8 +40,8 @@ pub fn follow(
     settings: &PathSettings,
     observe: &mut dyn FnMut(PathEvent),
 ) -> Result<Path, ContinuationError> {
-    settings.check()?;
-    Follower::begin(problem, settings, observe)?.run()
+    settings.check_ranges()?;
+    Follower::begin_path(problem, settings, observe)?.run_path()
 }
 
 /// A path on the way.
@@ -74,7 +74,7 @@ enum Passed {
 
 impl<'a, 'o> Follower<'a, 'o> {
     /// At the first point.
-    fn begin(
+    fn begin_path(
         problem: &'a mut dyn Problem,
         settings: &'a PathSettings,
         observe: &'o mut dyn FnMut(PathEvent),
@@ -84,45 +84,45 @@ impl<'a, 'o> Follower<'a, 'o> {
         let mut corrector = Corrector { problem, tolerance, subspace: Subspace::new(dofs), factorisations: 0 };
         let [load_factor, last] = settings.load_factors;
         let guess = Guess { u, load_factor, previous: None };
-        let at = corrector.solve(guess, Constraint::LoadFactor(load_factor), Accuracy::Watch);
-        let at = at.map_err(|cause| ContinuationError::Start { load_factor, cause })?;
+        let sample = corrector.solve(guess, Constraint::LoadFactor(load_factor), Accuracy::Watch);
+        let sample = sample.map_err(|cause| ContinuationError::Start { load_factor, cause })?;
         let first = settings.first_step * (last - load_factor);
-        let direction: Vec<f64> = at.by_load.iter().map(|entry| first * entry).collect();
+        let direction: Vec<f64> = sample.by_load.iter().map(|entry| first * entry).collect();
         let longest = settings.max_step * size * (dofs as f64).sqrt();
         let step = norm(&direction).min(longest);
-        observe(PathEvent::Point(&at.point(false)));
-        let (scale, critical) = (at.nearest_eigenvalue().abs(), Vec::new());
-        Ok(Self { corrector, settings, observe, at, direction, step, longest, scale, critical, steps: 0 })
+        observe(PathEvent::Point(&sample.point(false)));
+        let (scale, critical) = (sample.nearest_eigenvalue().abs(), Vec::new());
+        Ok(Self { corrector, settings, observe, at: sample, direction, step, longest, scale, critical, steps: 0 })
     }
 
-    fn run(mut self) -> Result<Path, ContinuationError> {
+    fn run_path(mut self) -> Result<Path, ContinuationError> {
         while self.steps < self.settings.max_steps {
-            let next = self.resolved()?;
+            let next = self.resolved_point()?;
             self.steps += 1;
-            match self.pass(&next) {
+            match self.pass_segment(&next) {
                 Ok(Passed::On) => {
                     (self.observe)(PathEvent::Point(&next.point(false)));
                     self.move_to(next);
                 }
                 Ok(Passed::Branched(first)) => self.begin_branch(*first),
-                Ok(Passed::Last) => return Ok(self.finished(PathEnd::LoadFactor)),
+                Ok(Passed::Last) => return Ok(self.finished_path(PathEnd::LoadFactor)),
                 // What lies between two points is found more easily between nearer ones.
-                Err(_) if self.step > self.shortest() => self.step = 0.25 * self.segment(&next).length(),
-                Err(cause) => return Err(self.stalled(cause)),
+                Err(_) if self.step > self.shortest_step() => self.step = 0.25 * self.segment_to(&next).length(),
+                Err(cause) => return Err(self.stalled_error(cause)),
             }
         }
-        Ok(self.finished(PathEnd::StepLimit))
+        Ok(self.finished_path(PathEnd::StepLimit))
     }
 
-    fn segment<'s>(&'s self, next: &'s Sample) -> Segment<'s> {
+    fn segment_to<'s>(&'s self, next: &'s Sample) -> Segment<'s> {
         Segment { from: &self.at, to: next }
     }
 
-    fn shortest(&self) -> f64 {
+    fn shortest_step(&self) -> f64 {
         self.settings.min_step * self.longest
     }
 
-    fn finished(self, end: PathEnd) -> Path {
+    fn finished_path(self, end: PathEnd) -> Path {
         let factorisations = self.corrector.factorisations;
         Path { critical: self.critical, steps: self.steps, factorisations, end }
     }
@@ -133,38 +133,38 @@ impl<'a, 'o> Follower<'a, 'o> {
     }
 
     /// The next point, not so close to a critical one that the sign of its eigenvalue is open.
-    fn resolved(&mut self) -> Result<Sample, ContinuationError> {
+    fn resolved_point(&mut self) -> Result<Sample, ContinuationError> {
         for _ in 0..RESOLVING_STEPS {
-            let next = self.advance()?;
+            let next = self.advance_point()?;
             let nearest = next.nearest_eigenvalue().abs();
             self.scale = self.scale.max(nearest);
             if nearest >= RESOLVED * self.scale {
                 return Ok(next);
             }
-            self.step = (OTHER_STEP * self.segment(&next).length()).min(self.longest);
+            self.step = (OTHER_STEP * self.segment_to(&next).length()).min(self.longest);
         }
         // The path is nearly critical over some length: it has not changed sides yet.
-        Ok(Sample { negative: self.at.negative, ..self.advance()? })
+        Ok(Sample { negative: self.at.negative, ..self.advance_point()? })
     }
 
     /// The next point, at the longest distance that succeeds.
-    fn advance(&mut self) -> Result<Sample, ContinuationError> {
+    fn advance_point(&mut self) -> Result<Sample, ContinuationError> {
         loop {
-            match self.step() {
+            match self.try_step() {
                 Ok(next) => {
                     let growth = (TARGET_ITERATIONS / next.iterations as f64).sqrt().clamp(GROWTH[0], GROWTH[1]);
                     self.step = (growth * self.step).min(self.longest);
                     return Ok(next);
                 }
-                Err(_) if self.step > self.shortest() => self.step *= 0.5,
-                Err(cause) => return Err(self.stalled(cause)),
+                Err(_) if self.step > self.shortest_step() => self.step *= 0.5,
+                Err(cause) => return Err(self.stalled_error(cause)),
             }
         }
     }
 
-    fn step(&mut self) -> Result<Sample, StepFailure> {
-        let along = sparse::dot(&self.direction, &self.at.by_load);
-        let load_step = self.step / norm(&self.at.by_load) * along.signum();
+    fn try_step(&mut self) -> Result<Sample, StepFailure> {
+        let projection = sparse::dot(&self.direction, &self.at.by_load);
+        let load_step = self.step / norm(&self.at.by_load) * projection.signum();
         let mut u = self.at.u.clone();
         sparse::add(&mut u, load_step, &self.at.by_load);
         let guess = Guess { u, load_factor: self.at.load_factor + load_step, previous: Some(&self.at.u) };
@@ -177,31 +177,31 @@ impl<'a, 'o> Follower<'a, 'o> {
         if cosine >= MIN_COSINE { Ok(next) } else { Err(StepFailure::Turned { cosine }) }
     }
 
-    fn stalled(&self, cause: StepFailure) -> ContinuationError {
+    fn stalled_error(&self, cause: StepFailure) -> ContinuationError {
         let dofs = self.at.u.len() as f64;
         let step = self.step / dofs.sqrt() / self.corrector.problem.size();
         ContinuationError::Stalled { load_factor: self.at.load_factor, step, cause }
     }
 
     /// Solves for all that lies between the last point and `next`, and then reports it.
-    fn pass(&mut self, next: &Sample) -> Result<Passed, StepFailure> {
+    fn pass_segment(&mut self, next: &Sample) -> Result<Passed, StepFailure> {
         let segment = Segment { from: &self.at, to: next };
         let changes = next.negative != self.at.negative;
-        let critical = if changes { locate(&mut self.corrector, segment)? } else { Vec::new() };
+        let critical = if changes { locate_critical_points(&mut self.corrector, segment)? } else { Vec::new() };
         let leaving = critical.iter().position(|point| self.leaves_at(point));
         if let Some(last) = leaving {
             let amplitude = self.settings.branch_amplitude * self.corrector.problem.size();
-            let first = secondary(&mut self.corrector, &critical[last], self.settings.branch, amplitude)?;
-            critical.into_iter().take(last + 1).for_each(|point| self.report(point));
+            let first = secondary_branch(&mut self.corrector, &critical[last], self.settings.branch, amplitude)?;
+            critical.into_iter().take(last + 1).for_each(|point| self.report_critical(point));
             return Ok(Passed::Branched(Box::new(first)));
         }
         let (levels, ends) = self.solve_levels(next)?;
-        critical.into_iter().for_each(|point| self.report(point));
+        critical.into_iter().for_each(|point| self.report_critical(point));
         levels.iter().for_each(|level| (self.observe)(PathEvent::Point(&level.point(true))));
         Ok(if ends { Passed::Last } else { Passed::On })
     }
 
-    fn report(&mut self, point: CriticalPoint) {
+    fn report_critical(&mut self, point: CriticalPoint) {
         (self.observe)(PathEvent::Critical(&point));
         self.critical.push(point);
     }
@@ -238,13 +238,13 @@ impl<'a, 'o> Follower<'a, 'o> {
     fn solve_level(&mut self, next: &Sample, level: f64) -> Result<Sample, StepFailure> {
         let segment = Segment { from: &self.at, to: next };
         let part = (level - self.at.load_factor) / (next.load_factor - self.at.load_factor);
-        let guess = between(&self.at, next, part);
+        let guess = guess_between(&self.at, next, part);
         let direct = self.corrector.solve(guess, Constraint::LoadFactor(level), Accuracy::Watch);
         let is_near = |found: &Sample| Segment { from: &self.at, to: found }.length() <= SAME_BRANCH * segment.length();
         match direct {
             Ok(found) if is_near(&found) => Ok(found),
             // Near a limit point the load alone does not say which of two equilibria is meant.
-            _ => segment.root(&mut self.corrector, &|sample| sample.load_factor - level),
+            _ => segment.find_root(&mut self.corrector, &|sample| sample.load_factor - level),
         }
     }
 }

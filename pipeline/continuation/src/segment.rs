@@ -42,9 +42,9 @@ impl Segment<'_> {
     }
 
     /// Whether λ turns round between its ends.
-    pub fn turns(&self) -> bool {
-        let along = |sample: &Sample| sparse::dot(&self.increment(), &sample.by_load);
-        (along(self.from) > 0.0) != (along(self.to) > 0.0)
+    pub fn turns_round(&self) -> bool {
+        let rate_along = |sample: &Sample| sparse::dot(&self.increment(), &sample.by_load);
+        (rate_along(self.from) > 0.0) != (rate_along(self.to) > 0.0)
     }
 
     /// The point at which `value` changes its sign, which it must have done between the ends; solved again to the
@@ -52,23 +52,23 @@ impl Segment<'_> {
     ///
     /// # Errors
     /// [`StepFailure`]
-    pub fn root(&self, corrector: &mut Corrector, value: &dyn Fn(&Sample) -> f64) -> Result<Sample, StepFailure> {
+    pub fn find_root(&self, corrector: &mut Corrector, value: &dyn Fn(&Sample) -> f64) -> Result<Sample, StepFailure> {
         let end = |radius: f64, sample: &Sample| End { radius, value: value(sample), sample: sample.clone() };
         let length = self.length();
         let mut bracket = [end(0.0, self.from), end(length, self.to)];
-        let scale = bracket.iter().fold(0.0, |most: f64, end| most.max(end.value.abs()));
+        let scale = bracket.iter().fold(0.0, |largest: f64, end| largest.max(end.value.abs()));
         let mut last = usize::MAX;
         for _ in 0..MAX_POINTS {
             let radius = next_radius(&bracket);
             let sample = match self.point_at(corrector, radius, &bracket) {
                 Ok(sample) => sample,
-                Err(_) if nearest(&bracket).value.abs() <= CLOSE * scale => break,
+                Err(_) if nearest_end(&bracket).value.abs() <= CLOSE * scale => break,
                 Err(cause) => return Err(cause),
             };
-            let found = end(radius, &sample);
-            let side = usize::from((found.value > 0.0) == (bracket[1].value > 0.0));
-            let small = found.value.abs() <= FOUND * scale;
-            bracket[side] = found;
+            let new_end = end(radius, &sample);
+            let side = usize::from((new_end.value > 0.0) == (bracket[1].value > 0.0));
+            let small = new_end.value.abs() <= FOUND * scale;
+            bracket[side] = new_end;
             if small || bracket[1].radius - bracket[0].radius <= FOUND * length {
                 break;
             }
@@ -76,24 +76,24 @@ impl Segment<'_> {
             bracket[1 - side].value *= if last == side { 0.5 } else { 1.0 };
             last = side;
         }
-        Ok(nearest(&bracket).sample.clone())
+        Ok(nearest_end(&bracket).sample.clone())
     }
 
     /// The point at distance `radius` from the beginning, guessed between two points around it.
     fn point_at(&self, corrector: &mut Corrector, radius: f64, around: &[End; 2]) -> Result<Sample, StepFailure> {
         let part = (radius - around[0].radius) / (around[1].radius - around[0].radius);
-        let guess = between(&around[0].sample, &around[1].sample, part);
+        let guess = guess_between(&around[0].sample, &around[1].sample, part);
         corrector.solve(guess, Constraint::Cylinder { centre: &self.from.u, radius }, Accuracy::Critical)
     }
 }
 
 /// The point at a `part` of the way from `from` to `to` on the cubic that has both ends and their tangents: a straight
 /// line would stretch a thin wall where it rotates.
-pub(crate) fn between<'a>(from: &'a Sample, to: &Sample, part: f64) -> Guess<'a> {
+pub(crate) fn guess_between<'a>(from: &'a Sample, to: &Sample, part: f64) -> Guess<'a> {
     let segment = Segment { from, to };
     let (increment, length) = (segment.increment(), segment.length());
-    let rest = 1.0 - part;
-    let weights = [rest * rest * part, -part * part * rest].map(|weight| weight * length);
+    let complement = 1.0 - part;
+    let weights = [complement * complement * part, -part * part * complement].map(|weight| weight * length);
     let tangents = [from, to].map(|end| tangent_factor(end, &increment));
     let value = part * part * (3.0 - 2.0 * part);
     let mut u = from.u.clone();
@@ -113,7 +113,7 @@ fn tangent_factor(end: &Sample, increment: &[f64]) -> f64 {
 }
 
 /// The end nearer to the root.
-fn nearest(bracket: &[End; 2]) -> &End {
+fn nearest_end(bracket: &[End; 2]) -> &End {
     &bracket[usize::from(bracket[1].value.abs() < bracket[0].value.abs())]
 }
 

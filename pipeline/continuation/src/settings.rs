@@ -57,27 +57,27 @@ impl Default for PathSettings {
 impl PathSettings {
     /// # Errors
     /// [`ContinuationError::Setting`]
-    pub(crate) fn check(&self) -> Result<(), ContinuationError> {
+    pub(crate) fn check_ranges(&self) -> Result<(), ContinuationError> {
         let [from, to] = self.load_factors;
-        within("the first step", self.first_step, 1e-9, 1.0)?;
-        within("the longest step", self.max_step, 1e-9, 1.0)?;
-        within("the shortest step", self.min_step, 1e-12, 1.0)?;
-        within("the tolerance", self.tolerance, 1e-13, 1e-2)?;
-        within("the amplitude of a branch", self.branch_amplitude, 1e-9, 1.0)?;
-        within("the number of steps", self.max_steps as f64, 1.0, 1e6)?;
-        within("the distance of the load factors", (to - from).abs(), f64::MIN_POSITIVE, f64::MAX)
+        check_range("the first step", self.first_step, 1e-9, 1.0)?;
+        check_range("the longest step", self.max_step, 1e-9, 1.0)?;
+        check_range("the shortest step", self.min_step, 1e-12, 1.0)?;
+        check_range("the tolerance", self.tolerance, 1e-13, 1e-2)?;
+        check_range("the amplitude of a branch", self.branch_amplitude, 1e-9, 1.0)?;
+        check_range("the number of steps", self.max_steps as f64, 1.0, 1e6)?;
+        check_range("the distance of the load factors", (to - from).abs(), f64::MIN_POSITIVE, f64::MAX)
     }
 
     /// The load factors at which equilibria are wanted between `from` (left out) and `to`, in the order of the path.
     pub(crate) fn levels_between(&self, from: f64, to: f64) -> Vec<f64> {
-        let between = |level: &f64| (*level > from && *level <= to) || (*level < from && *level >= to);
-        let mut found: Vec<f64> = self.levels.iter().copied().filter(between).collect();
-        found.sort_by(|a, b| if to > from { a.total_cmp(b) } else { b.total_cmp(a) });
-        found
+        let is_between = |level: &f64| (*level > from && *level <= to) || (*level < from && *level >= to);
+        let mut wanted: Vec<f64> = self.levels.iter().copied().filter(is_between).collect();
+        wanted.sort_by(|a, b| if to > from { a.total_cmp(b) } else { b.total_cmp(a) });
+        wanted
     }
 }
 
-fn within(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), ContinuationError> {
+fn check_range(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), ContinuationError> {
     if value >= least && value <= most {
         return Ok(());
     }
@@ -98,10 +98,10 @@ mod tests {
 
     #[test]
     fn a_setting_out_of_range_is_refused_with_its_range() {
-        let refused = PathSettings { tolerance: 0.5, ..Default::default() }.check().unwrap_err().to_string();
+        let refused = PathSettings { tolerance: 0.5, ..Default::default() }.check_ranges().unwrap_err().to_string();
         assert!(refused.contains("the tolerance is 5e-1") && refused.contains("do:"), "{refused}");
-        assert!(PathSettings { load_factors: [1.0, 1.0], ..Default::default() }.check().is_err());
-        assert!(PathSettings { max_steps: 0, ..Default::default() }.check().is_err());
-        assert!(PathSettings::default().check().is_ok());
+        assert!(PathSettings { load_factors: [1.0, 1.0], ..Default::default() }.check_ranges().is_err());
+        assert!(PathSettings { max_steps: 0, ..Default::default() }.check_ranges().is_err());
+        assert!(PathSettings::default().check_ranges().is_ok());
     }
 }

@@ -47,18 +47,18 @@ pub(crate) struct Subspace {
 impl Subspace {
     /// Vectors that are orthogonal to no mode, the same in every run.
     pub fn new(dofs: usize) -> Self {
-        Self { vectors: orthonormal((0..VECTORS.min(dofs)).map(|seed| generic(dofs, seed)).collect()) }
+        Self { vectors: orthonormal_basis((0..VECTORS.min(dofs)).map(|seed| generic_vector(dofs, seed)).collect()) }
     }
 
     /// The eigenpairs nearest to zero first, by solves with the last factor.
-    pub fn refine(&mut self, solve: &mut dyn FnMut(&mut [f64]), accuracy: Accuracy) -> Vec<Eigenpair> {
-        let (tolerance, most) = accuracy.limits();
+    pub fn refine_eigenpairs(&mut self, solve: &mut dyn FnMut(&mut [f64]), accuracy: Accuracy) -> Vec<Eigenpair> {
+        let (tolerance, max_iterations) = accuracy.limits();
         let mut values = vec![f64::INFINITY];
-        self.refresh();
-        for done in 1..=most {
-            let before = values[0];
-            values = self.iterate(solve);
-            if done >= MIN_ITERATIONS && (values[0] / before - 1.0).abs() <= tolerance {
+        self.refresh_last();
+        for done in 1..=max_iterations {
+            let previous_value = values[0];
+            values = self.iterate_once(solve);
+            if done >= MIN_ITERATIONS && (values[0] / previous_value - 1.0).abs() <= tolerance {
                 break;
             }
         }
@@ -67,15 +67,15 @@ impl Subspace {
 
     /// Puts a generic vector in the place of the last one: vectors that have converged at earlier points contain no mode
     /// that falls among the lowest since.
-    fn refresh(&mut self) {
+    fn refresh_last(&mut self) {
         if let Some(last) = self.vectors.pop() {
-            self.vectors.push(generic(last.len(), VECTORS));
-            self.vectors = orthonormal(std::mem::take(&mut self.vectors));
+            self.vectors.push(generic_vector(last.len(), VECTORS));
+            self.vectors = orthonormal_basis(std::mem::take(&mut self.vectors));
         }
     }
 
     /// One iteration; returns the Ritz values, nearest to zero first.
-    fn iterate(&mut self, solve: &mut dyn FnMut(&mut [f64])) -> Vec<f64> {
+    fn iterate_once(&mut self, solve: &mut dyn FnMut(&mut [f64])) -> Vec<f64> {
         let mut images = self.vectors.clone();
         images.iter_mut().for_each(|x| solve(x));
         let count = images.len();
@@ -89,28 +89,28 @@ impl Subspace {
             images.iter().zip(eigen.eigenvectors.column(which).iter()).for_each(|(y, w)| sparse::add(&mut sum, *w, y));
             sum
         };
-        self.vectors = orthonormal(order.iter().map(combined).collect());
+        self.vectors = orthonormal_basis(order.iter().map(combined).collect());
         order.iter().map(|&which| 1.0 / eigen.eigenvalues[which]).collect()
     }
 }
 
 /// A vector that is orthogonal to no mode, the same in every run.
-fn generic(dofs: usize, seed: usize) -> Vec<f64> {
-    (0..dofs).map(|at| (1.3 * ((at + 1) * (seed + 1)) as f64 + seed as f64).sin()).collect()
+fn generic_vector(dofs: usize, seed: usize) -> Vec<f64> {
+    (0..dofs).map(|dof| (1.3 * ((dof + 1) * (seed + 1)) as f64 + seed as f64).sin()).collect()
 }
 
 /// Gram–Schmidt, twice: near a critical point the first vector outweighs the others by many digits.
-fn orthonormal(mut vectors: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    for at in 0..vectors.len() {
-        let (done, rest) = vectors.split_at_mut(at);
-        let own = &mut rest[0];
-        scale_to_one(own);
+fn orthonormal_basis(mut vectors: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    for index in 0..vectors.len() {
+        let (done, rest) = vectors.split_at_mut(index);
+        let vector = &mut rest[0];
+        scale_to_one(vector);
         for _ in 0..2 {
             for other in done.iter() {
-                let part = sparse::dot(other, own);
-                sparse::add(own, -part, other);
+                let part = sparse::dot(other, vector);
+                sparse::add(vector, -part, other);
             }
-            scale_to_one(own);
+            scale_to_one(vector);
         }
     }
     vectors
@@ -129,14 +129,14 @@ mod tests {
     fn the_eigenvalues_nearest_to_zero_and_their_modes_are_found_beside_negative_ones() {
         let diagonal: Vec<f64> = (0..40).map(|at| if at == 7 { -0.3 } else { 0.5 + at as f64 }).collect();
         let mut solve = |x: &mut [f64]| x.iter_mut().zip(&diagonal).for_each(|(x, d)| *x /= d);
-        let pairs = Subspace::new(40).refine(&mut solve, Accuracy::Critical);
+        let pairs = Subspace::new(40).refine_eigenpairs(&mut solve, Accuracy::Critical);
         assert!((pairs[0].value + 0.3).abs() < 1e-9 && (pairs[1].value - 0.5).abs() < 1e-6, "{:?}", pairs[0].value);
         assert!(pairs[0].mode[7].abs() > 1.0 - 1e-9 && pairs[0].mode.iter().filter(|x| x.abs() > 1e-4).count() == 1);
     }
 
     #[test]
     fn a_problem_of_one_dof_has_its_only_eigenvalue() {
-        let pairs = Subspace::new(1).refine(&mut |x| x[0] /= -2.5, Accuracy::Watch);
+        let pairs = Subspace::new(1).refine_eigenpairs(&mut |x| x[0] /= -2.5, Accuracy::Watch);
         assert_eq!(pairs.len(), 1);
         assert!((pairs[0].value + 2.5).abs() < 1e-14);
     }
