@@ -13,8 +13,9 @@ const SAMPLING: Metre = 0.25 * MILLIMETRE;
 const TOLERANCE: Metre = 5e-6;
 
 /// Elements of the half z ≥ 0.
-pub(crate) fn hexahedra(tail: &Tail, grading: &Grading) -> Result<QuadraticMesh, TailError> {
-    let slabs: Vec<Slab> = stations(tail).windows(2).map(|pair| slab_between(tail, [pair[0], pair[1]])).collect();
+pub(crate) fn half_hexahedra(tail: &Tail, grading: &Grading) -> Result<QuadraticMesh, TailError> {
+    let slabs: Vec<Slab> =
+        outline_stations(tail).windows(2).map(|pair| slab_between(tail, [pair[0], pair[1]])).collect();
     let layers = TailLayers::new(tail);
     let body = LayeredBody {
         frame: Frame { normal: 1 },
@@ -29,7 +30,7 @@ pub(crate) fn hexahedra(tail: &Tail, grading: &Grading) -> Result<QuadraticMesh,
 }
 
 /// Places at which an outline begins, ends or has a corner, m, rising.
-fn stations(tail: &Tail) -> Vec<Metre> {
+fn outline_stations(tail: &Tail) -> Vec<Metre> {
     let chambers = (0..tail.chambers).flat_map(|chamber| tail.chamber(chamber));
     let fin = tail.fin.iter().map(|station| station.0);
     let ends = [0.0, tail.fin_start, tail.fin_root(), tail.body_end(), tail.length()];

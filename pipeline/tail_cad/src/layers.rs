@@ -20,7 +20,7 @@ fn film_face(tail: &Tail) -> u32 {
 }
 
 /// Fills the plan with tetrahedra; solids taller than `edge` (m) are divided.
-pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<TetMesh, TailError> {
+pub(crate) fn fill_plan(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<TetMesh, TailError> {
     let layers = TailLayers::new(tail);
     let columns: Vec<Column> = plan.triangles.iter().filter_map(|&t| layers.column_over(plan, t)).collect();
     let heights: Vec<SheetHeights> = plan.points.iter().map(|p| SheetHeights::new(tail, p[1], p[0])).collect();

@@ -204,9 +204,9 @@ impl Tail {
     /// # Errors
     /// [`TailError`] when a part is below its least size.
     pub fn mesh(&self, resolution: &Resolution) -> Result<TetMesh, TailError> {
-        self.check()?;
+        self.check_sizes()?;
         let plan = plan::Plan::new(self, resolution);
-        layers::fill(self, &plan, resolution.edge, true)
+        layers::fill_plan(self, &plan, resolution.edge, true)
     }
 
     /// The same body in 20-node hexahedra, graded towards thin walls.
@@ -214,8 +214,8 @@ impl Tail {
     /// # Errors
     /// [`TailError`] when a part is below its least size.
     pub fn hexahedra(&self, grading: &mesh::Grading) -> Result<mesh::QuadraticMesh, TailError> {
-        self.check()?;
-        hexahedra::hexahedra(self, grading)
+        self.check_sizes()?;
+        hexahedra::half_hexahedra(self, grading)
     }
 
     /// Body and spine as closed surfaces, both halves, with triangles of about `fineness` (m).
@@ -226,8 +226,8 @@ impl Tail {
     /// # Errors
     /// [`TailError`] when a part is below its least size.
     pub fn solids(&self, fineness: Metre) -> Result<(mesh::Surface, mesh::Surface), TailError> {
-        self.check()?;
-        solids::solids(self, fineness)
+        self.check_sizes()?;
+        solids::tail_solids(self, fineness)
     }
 
     /// Length of a chamber along x, m; the first is longer by `first_longer`.
@@ -256,11 +256,11 @@ impl Tail {
     }
 
     /// Refuses parameters that make a part smaller than its least size, with the first place.
-    fn check(&self) -> Result<(), TailError> {
+    fn check_sizes(&self) -> Result<(), TailError> {
         let length = self.chamber_length();
         let film = self.unbonded.map_or(0.0, |unbonded| unbonded.film);
-        let left = self.inner_wall - self.sheet_offset.abs() - film;
-        require("the silicone between a chamber and the sheet", [left, 0.1e-3], 0.0, "lower sheet_offset")?;
+        let silicone = self.inner_wall - self.sheet_offset.abs() - film;
+        require("the silicone between a chamber and the sheet", [silicone, 0.1e-3], 0.0, "lower sheet_offset")?;
         require("a chamber's length", [length, 0.5e-3], self.chambers_start, "take fewer chambers or thinner ribs")?;
         for chamber in 0..self.chambers {
             let x = self.chamber(chamber)[1];
@@ -269,8 +269,8 @@ impl Tail {
             let channel = z - self.channel_half_height;
             require("the chamber above the channel", [channel, 0.2e-3], x, "end the chambers further forward")?;
             for side in 0..2 {
-                let over = depth(side) - if chamber + 1 < self.chambers { self.channel_depth } else { 0.0 };
-                require("the chamber's depth beyond the channel", [over, 0.2e-3], x, "take a thinner wall")?;
+                let beyond_channel = depth(side) - if chamber + 1 < self.chambers { self.channel_depth } else { 0.0 };
+                require("the chamber's depth beyond the channel", [beyond_channel, 0.2e-3], x, "take a thinner wall")?;
             }
         }
         let slots = (1..self.chambers).map(|i| (self.rib_at(i - 1)[0], self.slot_half_height(i - 1)));

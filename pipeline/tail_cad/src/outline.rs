@@ -23,8 +23,8 @@ impl Tail {
     /// Half the body's width at `x` and height `z`, m; held above the back.
     pub fn half_width(&self, x: Metre, z: Metre) -> Metre {
         let middle = Curve::new(self.body.iter().map(|s| (s.x, s.half_width)).collect()).value(x);
-        let up = (z.abs() / self.half_height(x)).min(1.0);
-        middle * (1.0 - (1.0 - self.back_share) * up.powf(self.section_power))
+        let relative_height = (z.abs() / self.half_height(x)).min(1.0);
+        middle * (1.0 - (1.0 - self.back_share) * relative_height.powf(self.section_power))
     }
 
     /// The point of the back above the sheet at `x`: a place for a marker, m.

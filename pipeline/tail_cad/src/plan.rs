@@ -32,13 +32,13 @@ impl Plan {
     pub fn new(tail: &Tail, resolution: &Resolution) -> Self {
         let mut plan = Self { points: Vec::new(), triangles: Vec::new() };
         let rows: Vec<Row> =
-            line_positions(tail, resolution).iter().map(|&x| plan.row(tail, x, resolution.edge)).collect();
+            line_positions(tail, resolution).iter().map(|&x| plan.plan_row(tail, x, resolution.edge)).collect();
         rows.windows(2).for_each(|pair| plan.zip_rows(&pair[0], &pair[1]));
         plan
     }
 
-    fn row(&mut self, tail: &Tail, x: Metre, edge: Metre) -> Row {
-        let marks = marks(tail, x);
+    fn plan_row(&mut self, tail: &Tail, x: Metre, edge: Metre) -> Row {
+        let marks = row_marks(tail, x);
         let mut row = Row { marks: Vec::new(), points: Vec::new() };
         let mut reached = f64::NEG_INFINITY;
         for (mark, z) in marks {
@@ -60,12 +60,12 @@ impl Plan {
         let partner = |m: Mark| right.marks.iter().find(|r| r.0 == m).map(|r| r.1);
         let shared: Vec<_> = left.marks.iter().filter_map(|&(m, i)| partner(m).map(|j| (i, j))).collect();
         for pair in shared.windows(2) {
-            self.zip(&left.points[pair[0].0..=pair[1].0], &right.points[pair[0].1..=pair[1].1]);
+            self.join_rows(&left.points[pair[0].0..=pair[1].0], &right.points[pair[0].1..=pair[1].1]);
         }
     }
 
     /// Triangles between two chains of points, each step over the shorter diagonal.
-    fn zip(&mut self, left: &[u32], right: &[u32]) {
+    fn join_rows(&mut self, left: &[u32], right: &[u32]) {
         let (mut i, mut j) = (0, 0);
         while i + 1 < left.len() || j + 1 < right.len() {
             let step_left = match (left.get(i + 1), right.get(j + 1)) {
@@ -85,7 +85,7 @@ impl Plan {
 }
 
 /// The heights at which features end on the line at `x`.
-fn marks(tail: &Tail, x: Metre) -> Vec<(Mark, Metre)> {
+fn row_marks(tail: &Tail, x: Metre) -> Vec<(Mark, Metre)> {
     let mut marks = vec![(Mark::Axis, 0.0)];
     if let Some(rib) = rib_touching(tail, x) {
         marks.push((Mark::Channel, tail.channel_half_height));
@@ -107,7 +107,7 @@ fn marks(tail: &Tail, x: Metre) -> Vec<(Mark, Metre)> {
 
 /// Heights of all outlines on a line between two stations, m, rising.
 pub(crate) fn outlines_across(tail: &Tail, x: Metre) -> Vec<Metre> {
-    marks(tail, x).into_iter().map(|(_, z)| z).collect()
+    row_marks(tail, x).into_iter().map(|(_, z)| z).collect()
 }
 
 /// The rib that has `x` inside it or at its edge.
@@ -120,13 +120,13 @@ fn line_positions(tail: &Tail, resolution: &Resolution) -> Vec<Metre> {
     let mut positions = vec![0.0];
     let edge = resolution.edge;
     let head = (tail.chambers_start / edge).round().max(1.0) as usize;
-    divide(&mut positions, tail.chambers_start, head);
+    divide_evenly(&mut positions, tail.chambers_start, head);
     for chamber in 0..tail.chambers {
         let [from, to] = tail.chamber(chamber);
         let ratio = ((to - from) / tail.chamber_length()).round().max(1.0) as usize;
-        divide(&mut positions, to, ratio * resolution.per_chamber);
+        divide_evenly(&mut positions, to, ratio * resolution.per_chamber);
         if chamber + 1 < tail.chambers {
-            divide(&mut positions, tail.rib_at(chamber)[1], resolution.per_rib);
+            divide_evenly(&mut positions, tail.rib_at(chamber)[1], resolution.per_rib);
         }
     }
     for end in [tail.fin_root(), tail.body_end(), tail.length()] {
@@ -136,20 +136,20 @@ fn line_positions(tail: &Tail, resolution: &Resolution) -> Vec<Metre> {
 }
 
 /// Even steps to `end`.
-fn divide(positions: &mut Vec<Metre>, end: Metre, pieces: usize) {
-    let from = positions.last().copied().unwrap_or(0.0);
-    positions.extend((1..pieces).map(|i| from + (end - from) * i as f64 / pieces as f64));
+fn divide_evenly(positions: &mut Vec<Metre>, end: Metre, pieces: usize) {
+    let start = positions.last().copied().unwrap_or(0.0);
+    positions.extend((1..pieces).map(|i| start + (end - start) * i as f64 / pieces as f64));
     positions.push(end);
 }
 
 /// Steps to `end` that keep the pieces of the fin's edge about as long as `edge`.
 fn divide_by_arc_length(positions: &mut Vec<Metre>, tail: &Tail, end: Metre, edge: Metre) {
-    let from = positions.last().copied().unwrap_or(0.0);
+    let start = positions.last().copied().unwrap_or(0.0);
     let fine = 200;
-    let at = |i: usize| from + (end - from) * i as f64 / f64::from(fine as u32);
+    let position = |i: usize| start + (end - start) * i as f64 / f64::from(fine as u32);
     let slope = |i: usize| {
-        let rise = tail.sheet_half_height(at(i + 1)) - tail.sheet_half_height(at(i));
-        rise.hypot(at(i + 1) - at(i))
+        let rise = tail.sheet_half_height(position(i + 1)) - tail.sheet_half_height(position(i));
+        rise.hypot(position(i + 1) - position(i))
     };
     let lengths: Vec<f64> = (0..fine).map(slope).collect();
     let total: f64 = lengths.iter().sum();
@@ -159,7 +159,7 @@ fn divide_by_arc_length(positions: &mut Vec<Metre>, tail: &Tail, end: Metre, edg
     for (i, length) in lengths.iter().enumerate() {
         sum += length;
         if next < pieces && sum >= total * next as f64 / pieces as f64 {
-            positions.push(at(i + 1));
+            positions.push(position(i + 1));
             next += 1;
         }
     }

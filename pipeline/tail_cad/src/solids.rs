@@ -6,18 +6,18 @@ use mesh::{BODY, FACES, SPINE, Surface, TetMesh};
 use si::Metre;
 
 /// Body and spine from two different divisions of the same plan.
-pub(crate) fn solids(tail: &Tail, fineness: Metre) -> Result<(Surface, Surface), TailError> {
+pub(crate) fn tail_solids(tail: &Tail, fineness: Metre) -> Result<(Surface, Surface), TailError> {
     let part = |edge: Metre, region: u16| {
         let resolution = Resolution::even(tail, edge);
-        let plan = mirrored(Plan::new(tail, &resolution));
+        let plan = mirrored_plan(Plan::new(tail, &resolution));
         // nodes between the sheets are not needed for a surface
-        layers::fill(tail, &plan, f64::INFINITY, false).map(|mesh| boundary(&mesh, region))
+        layers::fill_plan(tail, &plan, f64::INFINITY, false).map(|mesh| region_boundary(&mesh, region))
     };
     Ok((part(fineness, BODY)?, part(1.2 * fineness, SPINE)?))
 }
 
 /// A plan and its mirror image in z, which share the vertices on z = 0.
-fn mirrored(upper: Plan) -> Plan {
+fn mirrored_plan(upper: Plan) -> Plan {
     let mut points = upper.points.clone();
     let mut image = Vec::with_capacity(points.len());
     for (v, &[z, x]) in upper.points.iter().enumerate() {
@@ -32,7 +32,7 @@ fn mirrored(upper: Plan) -> Plan {
 }
 
 /// The faces that bound one region, normals outwards, points numbered anew.
-fn boundary(mesh: &TetMesh, region: u16) -> Surface {
+fn region_boundary(mesh: &TetMesh, region: u16) -> Surface {
     let mut sides = Vec::new();
     for (t, tet) in mesh.tets.iter().enumerate().filter(|(t, _)| mesh.regions[*t] == region) {
         for face in FACES {

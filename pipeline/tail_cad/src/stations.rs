@@ -11,20 +11,26 @@ pub(crate) struct Curve {
 
 impl Curve {
     /// A curve through at least two stations (place, value) in rising order of place.
-    pub fn new(at: Vec<(Metre, Metre)>) -> Self {
-        let rise = |i: usize| (at[i + 1].1 - at[i].1) / (at[i + 1].0 - at[i].0);
-        let last = at.len() - 1;
-        let inner = |i: usize| mean_slope(at[i].0 - at[i - 1].0, at[i + 1].0 - at[i].0, rise(i - 1), rise(i));
+    pub fn new(stations: Vec<(Metre, Metre)>) -> Self {
+        let rise = |i: usize| (stations[i + 1].1 - stations[i].1) / (stations[i + 1].0 - stations[i].0);
+        let last = stations.len() - 1;
+        let inner = |i: usize| {
+            mean_slope(stations[i].0 - stations[i - 1].0, stations[i + 1].0 - stations[i].0, rise(i - 1), rise(i))
+        };
         let slope = |i: usize| match i {
-            0 => end_slope(at[1].0 - at[0].0, rise(0), (last > 1).then(|| (at[2].0 - at[1].0, rise(1)))),
+            0 => end_slope(
+                stations[1].0 - stations[0].0,
+                rise(0),
+                (last > 1).then(|| (stations[2].0 - stations[1].0, rise(1))),
+            ),
             i if i == last => {
-                let before = (last > 1).then(|| (at[last - 1].0 - at[last - 2].0, rise(last - 2)));
-                end_slope(at[last].0 - at[last - 1].0, rise(last - 1), before)
+                let neighbour = (last > 1).then(|| (stations[last - 1].0 - stations[last - 2].0, rise(last - 2)));
+                end_slope(stations[last].0 - stations[last - 1].0, rise(last - 1), neighbour)
             }
             i => inner(i),
         };
-        let slopes = (0..at.len()).map(slope).collect();
-        Self { at, slopes }
+        let slopes = (0..stations.len()).map(slope).collect();
+        Self { at: stations, slopes }
     }
 
     /// The value at `x`, m; held before the first and after the last station.
