@@ -25,18 +25,18 @@ pub(crate) struct Complex {
 
 impl Complex {
     pub(crate) fn new(points: Vec<Point3>, tets: Vec<[u32; 4]>, labels: Vec<u16>) -> Self {
-        let mut around = vec![Vec::new(); points.len()];
+        let mut tets_at_node = vec![Vec::new(); points.len()];
         for (number, tet) in tets.iter().enumerate() {
-            tet.iter().for_each(|n| around[*n as usize].push(number as u32));
+            tet.iter().for_each(|n| tets_at_node[*n as usize].push(number as u32));
         }
-        Self { points, tets, labels, around, free: Vec::new() }
+        Self { points, tets, labels, around: tets_at_node, free: Vec::new() }
     }
 
     pub(crate) fn exists(&self, tet: u32) -> bool {
         self.tets[tet as usize][0] != GONE
     }
 
-    pub(crate) fn alive(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn living_tets(&self) -> impl Iterator<Item = u32> + '_ {
         (0..self.tets.len() as u32).filter(|t| self.exists(*t))
     }
 
@@ -45,18 +45,18 @@ impl Complex {
         &self.around[node as usize]
     }
 
-    pub(crate) fn corners(&self, tet: u32) -> [Point3; 4] {
-        self.places(self.tets[tet as usize])
+    pub(crate) fn corners_of(&self, tet: u32) -> [Point3; 4] {
+        self.positions_of(self.tets[tet as usize])
     }
 
-    pub(crate) fn places<const N: usize>(&self, nodes: [u32; N]) -> [Point3; N] {
+    pub(crate) fn positions_of<const N: usize>(&self, nodes: [u32; N]) -> [Point3; N] {
         nodes.map(|n| self.points[n as usize])
     }
 
     /// The tetrahedra around an edge.
-    pub(crate) fn ring(&self, [a, b]: [u32; 2]) -> Vec<u32> {
-        let (few, other) = if self.star(a).len() <= self.star(b).len() { (a, b) } else { (b, a) };
-        self.star(few).iter().copied().filter(|t| self.tets[*t as usize].contains(&other)).collect()
+    pub(crate) fn edge_ring(&self, [a, b]: [u32; 2]) -> Vec<u32> {
+        let (few, far_node) = if self.star(a).len() <= self.star(b).len() { (a, b) } else { (b, a) };
+        self.star(few).iter().copied().filter(|t| self.tets[*t as usize].contains(&far_node)).collect()
     }
 
     pub(crate) fn add_point(&mut self, at: Point3) -> u32 {
@@ -65,7 +65,7 @@ impl Complex {
         self.points.len() as u32 - 1
     }
 
-    pub(crate) fn remove(&mut self, tet: u32) {
+    pub(crate) fn remove_tet(&mut self, tet: u32) {
         for node in self.tets[tet as usize] {
             let star = &mut self.around[node as usize];
             if let Some(place) = star.iter().position(|t| *t == tet) {
@@ -78,11 +78,11 @@ impl Complex {
 
     /// Takes out all tetrahedra of a label.
     pub(crate) fn remove_label(&mut self, label: u16) {
-        let tets: Vec<u32> = self.alive().filter(|t| self.labels[*t as usize] == label).collect();
-        tets.into_iter().for_each(|t| self.remove(t));
+        let tets: Vec<u32> = self.living_tets().filter(|t| self.labels[*t as usize] == label).collect();
+        tets.into_iter().for_each(|t| self.remove_tet(t));
     }
 
-    pub(crate) fn add(&mut self, nodes: [u32; 4], label: u16) -> u32 {
+    pub(crate) fn add_tet(&mut self, nodes: [u32; 4], label: u16) -> u32 {
         let slot = self.free.pop().unwrap_or_else(|| {
             self.tets.push([GONE; 4]);
             self.labels.push(label);
@@ -95,16 +95,16 @@ impl Complex {
     }
 
     /// Tetrahedra go, others with their labels come.
-    pub(crate) fn replace(&mut self, old: &[u32], new: &[([u32; 4], u16)]) {
-        old.iter().for_each(|t| self.remove(*t));
+    pub(crate) fn replace_tets(&mut self, old: &[u32], new: &[([u32; 4], u16)]) {
+        old.iter().for_each(|t| self.remove_tet(*t));
         new.iter().for_each(|(nodes, label)| {
-            self.add(*nodes, *label);
+            self.add_tet(*nodes, *label);
         });
     }
 
     /// What splitting an edge at a node gives: the tetrahedra around it, and two for each.
-    pub(crate) fn bisected(&self, [a, b]: [u32; 2], node: u32) -> (Vec<u32>, Vec<([u32; 4], u16)>) {
-        let ring = self.ring([a, b]);
+    pub(crate) fn bisect_edge(&self, [a, b]: [u32; 2], node: u32) -> (Vec<u32>, Vec<([u32; 4], u16)>) {
+        let ring = self.edge_ring([a, b]);
         let instead = |tet: u32, old: u32| {
             (self.tets[tet as usize].map(|n| if n == old { node } else { n }), self.labels[tet as usize])
         };
@@ -113,7 +113,7 @@ impl Complex {
     }
 
     /// The label behind a face of a tetrahedron.
-    pub(crate) fn behind(&self, tet: u32, face: [u32; 3]) -> u16 {
+    pub(crate) fn label_behind(&self, tet: u32, face: [u32; 3]) -> u16 {
         let [a, b, c] = face;
         let opposite = self.star(a).iter().find(|t| {
             let nodes = &self.tets[**t as usize];
@@ -123,13 +123,13 @@ impl Complex {
     }
 
     /// The faces between unlike labels around a node, each once, normal out of the lower label.
-    pub(crate) fn skin(&self, node: u32) -> Vec<[u32; 3]> {
+    pub(crate) fn skin_faces(&self, node: u32) -> Vec<[u32; 3]> {
         let mut faces = Vec::new();
         for tet in self.star(node) {
             let nodes = self.tets[*tet as usize];
             let label = self.labels[*tet as usize];
             for side in SIDES.iter().map(|s| s.map(|i| nodes[i])).filter(|s| s.contains(&node)) {
-                if label < self.behind(*tet, side) {
+                if label < self.label_behind(*tet, side) {
                     faces.push(side);
                 }
             }
@@ -140,7 +140,7 @@ impl Complex {
     /// Whether each node lies on a face between unlike labels, and these faces, in the order of the tetrahedra.
     pub(crate) fn whole_skin(&self) -> (Vec<bool>, Vec<LabelledFace>) {
         let mut sides: Vec<([u32; 3], u16, [u32; 3])> = Vec::new();
-        for tet in self.alive() {
+        for tet in self.living_tets() {
             let nodes = self.tets[tet as usize];
             for side in SIDES.iter().map(|s| s.map(|i| nodes[i])) {
                 let mut key = side;

@@ -66,16 +66,16 @@ impl Delaunay {
         debug_assert!(self.tets.iter().all(|t| orientation(t.map(|n| self.points[n as usize])) > 0.0));
     }
 
-    fn place(&self, tet: u32) -> [Point3; 4] {
+    fn corners_of(&self, tet: u32) -> [Point3; 4] {
         self.tets[tet as usize].map(|n| self.points[n as usize])
     }
 
     /// The tetrahedron that holds a point, by a walk from the last one.
-    fn locate(&self, at: Point3) -> u32 {
+    fn locate_point(&self, at: Point3) -> u32 {
         let mut tet = self.last;
         let mut turn = 0usize;
         'walk: loop {
-            let corners = self.place(tet);
+            let corners = self.corners_of(tet);
             for k in 0..4 {
                 let k = (k + turn) % 4;
                 let [a, b, c] = SIDES[k].map(|i| corners[i]);
@@ -92,19 +92,19 @@ impl Delaunay {
     }
 
     /// Inserts a point of the box; the number of the point that lies in the same place, if there is one.
-    pub(crate) fn insert(&mut self, at: Point3) -> u32 {
-        let first = self.locate(at);
+    pub(crate) fn insert_point(&mut self, at: Point3) -> u32 {
+        let first = self.locate_point(at);
         if let Some(same) = self.tets[first as usize].into_iter().find(|n| self.points[*n as usize] == at) {
             return same;
         }
         let number = self.points.len() as u32;
         self.points.push(at);
-        let (cavity, walls) = self.cavity(first, number);
-        self.fill(&cavity, &walls, number);
+        let (cavity, walls) = self.find_cavity(first, number);
+        self.fill_cavity(&cavity, &walls, number);
         number
     }
 
-    fn cavity(&mut self, first: u32, number: u32) -> (Vec<u32>, Vec<Wall>) {
+    fn find_cavity(&mut self, first: u32, number: u32) -> (Vec<u32>, Vec<Wall>) {
         let point = self.points[number as usize];
         let (mut cavity, mut walls) = (vec![first], Vec::new());
         self.seen[first as usize] = (number, true);
@@ -115,7 +115,7 @@ impl Delaunay {
             for (k, side) in SIDES.iter().enumerate() {
                 let behind = self.neighbours[tet as usize][k];
                 if behind != NONE && self.seen[behind as usize].0 != number {
-                    let inside = in_sphere(self.place(behind), point) > 0.0;
+                    let inside = in_sphere(self.corners_of(behind), point) > 0.0;
                     self.seen[behind as usize] = (number, inside);
                     cavity.extend(inside.then_some(behind));
                 }
@@ -127,7 +127,7 @@ impl Delaunay {
         (cavity, walls)
     }
 
-    fn fill(&mut self, cavity: &[u32], walls: &[Wall], number: u32) {
+    fn fill_cavity(&mut self, cavity: &[u32], walls: &[Wall], number: u32) {
         self.free.extend(cavity);
         let mut places = Vec::with_capacity(walls.len());
         for wall in walls {
@@ -168,7 +168,7 @@ impl Delaunay {
         for (wall, place) in walls.iter().zip(places) {
             let [a, b, c] = wall.nodes;
             // corners of the new one are a, c, b: opposite to a lies the edge bc
-            edges.extend([([b, c], 0), ([a, b], 1), ([a, c], 2)].map(|(e, k)| (sorted(e), *place, k)));
+            edges.extend([([b, c], 0), ([a, b], 1), ([a, c], 2)].map(|(e, k)| (sorted_edge(e), *place, k)));
         }
         edges.sort_unstable();
         for pair in edges.chunks_exact(2) {
@@ -185,18 +185,18 @@ impl Delaunay {
         order.sort_by_key(|n| (keys[*n as usize], *n));
         let mut numbers = vec![0; points.len()];
         for n in order {
-            numbers[n as usize] = self.insert(points[n as usize]);
+            numbers[n as usize] = self.insert_point(points[n as usize]);
         }
         numbers
     }
 
     /// The tetrahedra that are.
-    pub(crate) fn tetrahedra(&self) -> Vec<[u32; 4]> {
+    pub(crate) fn living_tetrahedra(&self) -> Vec<[u32; 4]> {
         self.tets.iter().copied().filter(|t| t[0] != NONE).collect()
     }
 }
 
-pub(crate) fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+pub(crate) fn sorted_edge([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
@@ -223,7 +223,7 @@ mod tests {
     fn check(points: &[Point3]) -> Delaunay {
         let mut made = Delaunay::around(points);
         made.insert_all(points);
-        let tets = made.tetrahedra();
+        let tets = made.living_tetrahedra();
         let place = |t: &[u32; 4]| t.map(|n| made.points[n as usize]);
         assert!(tets.iter().all(|t| orientation(place(t)) > 0.0));
         let volume: f64 = tets.iter().map(|t| six_volumes(place(t)) / 6.0).sum();
@@ -247,7 +247,7 @@ mod tests {
         };
         let cloud: Vec<Point3> = (0..120).map(|_| [draw(), draw(), draw()]).collect();
         let made = check(&cloud);
-        for t in made.tetrahedra() {
+        for t in made.living_tetrahedra() {
             let corners = t.map(|n| made.points[n as usize]);
             assert!(made.points.iter().all(|p| corners.contains(p) || in_sphere(corners, *p) <= 0.0));
         }

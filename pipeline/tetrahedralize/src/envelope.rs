@@ -3,7 +3,7 @@
 use si::Point3;
 use si::vec3::{add, dot, norm, scale, sub};
 
-use crate::geometry::{centroid, distance, normal, samples, unit};
+use crate::geometry::{centroid, distance, normal, triangle_samples, unit};
 use crate::tree::{Nearest, Tree};
 
 /// A triangle is sampled at most so finely: 18 points beside its corners.
@@ -31,7 +31,7 @@ impl Envelope {
             let upwards = unit(normal(*corners));
             let mut stack = vec![*corners];
             while let Some(part) = stack.pop() {
-                match halves(part, longest) {
+                match cut_halves(part, longest) {
                     Some(halves) if parts.len() < MAX_TRIANGLES => stack.extend(halves),
                     _ => {
                         parts.push(part);
@@ -52,10 +52,10 @@ impl Envelope {
     }
 
     /// Whether a triangle stays within a distance of the surface, by samples.
-    pub(crate) fn holds(&self, corners: [Point3; 3], reach: f64) -> bool {
+    pub(crate) fn holds_triangle(&self, corners: [Point3; 3], reach: f64) -> bool {
         // neighbouring samples mostly lie on the same triangle: with it as a hint a search of the tree is rare
         let mut hint = None;
-        samples(corners, parts(corners, reach)).all(|p| {
+        triangle_samples(corners, sample_parts(corners, reach)).all(|p| {
             hint = self.tree.within(p, reach, hint);
             hint.is_some()
         })
@@ -64,17 +64,17 @@ impl Envelope {
     /// Thickness of the wall below a face, and of the gap above it, near one of its corners; crossings nearer than `skip` are none.
     ///
     /// Origin and direction are the input's: a remeshed sliver's normal would look along its own surface.
-    pub(crate) fn widths(&self, corners: [Point3; 3], near: Point3, [skip, reach]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn wall_and_gap(&self, corners: [Point3; 3], near: Point3, [skip, reach]: [f64; 2]) -> [f64; 2] {
         let offset = scale(sub(centroid(corners), near), OFFSET);
         let Some(foot) = self.nearest(add(near, offset), f64::INFINITY) else { return [f64::INFINITY; 2] };
         // the two faces of a sharp edge are no wall: seen from beside the edge, the other one is not farther than the edge
         let skip = skip.max(1.2 * norm(offset));
         let upwards = self.normal(foot.triangle);
-        [scale(upwards, -1.0), upwards].map(|along| self.width(foot.point, along, [skip, reach]))
+        [scale(upwards, -1.0), upwards].map(|along| self.width_along(foot.point, along, [skip, reach]))
     }
 
-    fn width(&self, from: Point3, along: Point3, [skip, reach]: [f64; 2]) -> f64 {
-        let crossings = self.tree.crossings(from, along, reach);
+    fn width_along(&self, from: Point3, along: Point3, [skip, reach]: [f64; 2]) -> f64 {
+        let crossings = self.tree.ray_crossings(from, along, reach);
         let first =
             crossings.into_iter().filter(|(t, _)| *t > skip).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         match first {
@@ -85,14 +85,14 @@ impl Envelope {
 }
 
 /// A triangle cut across its longest side, if that is too long.
-fn halves([a, b, c]: [Point3; 3], longest: f64) -> Option<[[Point3; 3]; 2]> {
+fn cut_halves([a, b, c]: [Point3; 3], longest: f64) -> Option<[[Point3; 3]; 2]> {
     let sides = [(distance(a, b), [a, b, c]), (distance(b, c), [b, c, a]), (distance(c, a), [c, a, b])];
     let (length, [p, q, tip]) = sides.into_iter().max_by(|x, y| x.0.total_cmp(&y.0))?;
     let middle = scale(add(p, q), 0.5);
     (length > longest).then_some([[p, middle, tip], [middle, q, tip]])
 }
 
-fn parts([a, b, c]: [Point3; 3], reach: f64) -> usize {
+fn sample_parts([a, b, c]: [Point3; 3], reach: f64) -> usize {
     let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
     (longest / (3.0 * reach)).ceil().clamp(1.0, MAX_PARTS) as usize
 }

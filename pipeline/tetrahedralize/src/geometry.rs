@@ -7,18 +7,18 @@ use robust::Coord3D;
 use si::Point3;
 use si::vec3::{add, cross, dot, norm, scale, sub};
 
-fn coordinates([x, y, z]: Point3) -> Coord3D<f64> {
+fn to_coordinates([x, y, z]: Point3) -> Coord3D<f64> {
     Coord3D { x, y, z }
 }
 
 /// Positive, zero or negative as the volume of the tetrahedron is; the sign is exact.
 pub(crate) fn orientation([a, b, c, d]: [Point3; 4]) -> f64 {
-    -robust::orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(d))
+    -robust::orient3d(to_coordinates(a), to_coordinates(b), to_coordinates(c), to_coordinates(d))
 }
 
 /// Positive when `at` lies within the sphere through the corners of a tetrahedron of positive volume; the sign is exact.
 pub(crate) fn in_sphere([a, b, c, d]: [Point3; 4], at: Point3) -> f64 {
-    -robust::insphere(coordinates(a), coordinates(b), coordinates(c), coordinates(d), coordinates(at))
+    -robust::insphere(to_coordinates(a), to_coordinates(b), to_coordinates(c), to_coordinates(d), to_coordinates(at))
 }
 
 /// Six times the volume of a tetrahedron, rounded.
@@ -89,7 +89,7 @@ pub(crate) fn nearest_on_triangle(at: Point3, [a, b, c]: [Point3; 3]) -> Point3 
 }
 
 /// The points of shares `(i, j, k)/n` of a triangle's corners, these left out.
-pub(crate) fn samples([a, b, c]: [Point3; 3], parts: usize) -> impl Iterator<Item = Point3> {
+pub(crate) fn triangle_samples([a, b, c]: [Point3; 3], parts: usize) -> impl Iterator<Item = Point3> {
     let n = parts as f64;
     (0..=parts).flat_map(move |i| (0..=parts - i).map(move |j| [i, j, parts - i - j])).filter_map(move |shares| {
         let [i, j, k] = shares.map(|s| s as f64 / n);

@@ -19,8 +19,8 @@ impl Space {
     }
 
     /// The label of a place.
-    pub(crate) fn label(&self, at: Point3) -> u16 {
-        let holding = self.parts.iter().rev().find(|(tree, _)| tree.winding(at) > 0.5);
+    pub(crate) fn label_at(&self, at: Point3) -> u16 {
+        let holding = self.parts.iter().rev().find(|(tree, _)| tree.winding_number(at) > 0.5);
         match holding {
             Some((_, Fill::Region(region))) => *region,
             _ => OUTSIDE,
@@ -30,8 +30,8 @@ impl Space {
 
 /// Labels all tetrahedra.
 pub(crate) fn label_all(complex: &mut Complex, space: &Space) {
-    let tets: Vec<u32> = complex.alive().collect();
+    let tets: Vec<u32> = complex.living_tets().collect();
     for tet in tets {
-        complex.labels[tet as usize] = space.label(centroid(complex.corners(tet)));
+        complex.labels[tet as usize] = space.label_at(centroid(complex.corners_of(tet)));
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct SizeField<'a> {
 
 impl SizeField<'_> {
     /// Target length, and distance from the surface.
-    pub(crate) fn value(&self, at: Point3) -> [f64; 2] {
+    pub(crate) fn length_and_distance(&self, at: Point3) -> [f64; 2] {
         match self.tree.nearest(at, f64::INFINITY) {
             Some(near) => {
                 [self.edge.min(self.size[near.triangle as usize] + self.gradation * near.distance), near.distance]
@@ -33,7 +33,7 @@ impl SizeField<'_> {
 }
 
 /// Centres of the cells of a graded octree that lie inside, away from the surface.
-pub(crate) fn lattice(field: &SizeField, points: &[Point3], inside: &dyn Fn(Point3) -> bool) -> Vec<Point3> {
+pub(crate) fn graded_lattice(field: &SizeField, points: &[Point3], inside: &dyn Fn(Point3) -> bool) -> Vec<Point3> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for k in 0..3 {
         low[k] = points.iter().fold(low[k], |l, p| l.min(p[k]));
@@ -44,7 +44,7 @@ pub(crate) fn lattice(field: &SizeField, points: &[Point3], inside: &dyn Fn(Poin
     let mut centres = Vec::new();
     let mut stack = vec![(middle, side)];
     while let Some((centre, side)) = stack.pop() {
-        let [size, gap] = field.value(centre);
+        let [size, gap] = field.length_and_distance(centre);
         // no cell that lies outside as a whole is divided
         let far = gap > 0.9 * side && !inside(centre);
         if far {
@@ -55,14 +55,14 @@ pub(crate) fn lattice(field: &SizeField, points: &[Point3], inside: &dyn Fn(Poin
             let child = |i: usize| add(centre, [0, 1, 2].map(|k| if i >> k & 1 == 1 { quarter } else { -quarter }));
             stack.extend((0..8).map(|i| (child(i), side / 2.0)));
         } else if gap > CLEAR * size && inside(centre) {
-            centres.push(shifted(centre, 0.1 * side));
+            centres.push(shifted_point(centre, 0.1 * side));
         }
     }
     centres
 }
 
 /// A point moved a little, by its own coordinates: a cubic lattice has flat tetrahedra between four points of a square.
-fn shifted(at: Point3, by: f64) -> Point3 {
+fn shifted_point(at: Point3, by: f64) -> Point3 {
     let bits = at.map(f64::to_bits);
     let mixed =
         bits.iter().fold(0x9E37_79B9_7F4A_7C15u64, |m, b| (m ^ b).wrapping_mul(0xBF58_476D_1CE4_E5B9).rotate_left(27));

@@ -6,7 +6,7 @@ use si::Point3;
 use si::vec3::{cross, dot, norm};
 
 use crate::Part;
-use crate::delaunay::sorted;
+use crate::delaunay::sorted_edge;
 use crate::geometry::normal;
 use crate::tree::Tree;
 
@@ -41,9 +41,9 @@ impl std::fmt::Display for Repair {
 }
 
 /// Turns faces of a part until neighbours look the same way and solids outwards.
-pub(crate) fn orient(part: &Part) -> (Part, Vec<Repair>) {
+pub(crate) fn orient_part(part: &Part) -> (Part, Vec<Repair>) {
     let mut part = part.clone();
-    let (shell, turned) = consistent(&part.faces);
+    let (shell, turned) = consistent_shells(&part.faces);
     let mut repairs = Vec::new();
     let count = shell.iter().max().map_or(0, |m| *m as usize + 1);
     let mut flips = vec![0usize; count];
@@ -68,11 +68,11 @@ pub(crate) fn orient(part: &Part) -> (Part, Vec<Repair>) {
 }
 
 /// The shell of each face, joined across edges of two faces, and whether the face looks the other way than the shell's first.
-fn consistent(faces: &[[u32; 3]]) -> (Vec<u32>, Vec<bool>) {
+fn consistent_shells(faces: &[[u32; 3]]) -> (Vec<u32>, Vec<bool>) {
     let mut edges: BTreeMap<[u32; 2], Vec<(usize, bool)>> = BTreeMap::new();
     for (number, [a, b, c]) in faces.iter().enumerate() {
         for [p, q] in [[*a, *b], [*b, *c], [*c, *a]] {
-            edges.entry(sorted([p, q])).or_default().push((number, p < q));
+            edges.entry(sorted_edge([p, q])).or_default().push((number, p < q));
         }
     }
     let mut links: Vec<Vec<(usize, bool)>> = vec![Vec::new(); faces.len()];
@@ -127,7 +127,8 @@ fn turn_shells(part: &mut Part, shell: &[u32], count: usize) -> Vec<Repair> {
     for (place, number) in outwards.iter().enumerate() {
         // every corner within: parts that overlap or touch are united instead
         let corners: Vec<Point3> = members(*number).map(|f| triangles[f][0]).collect();
-        let holds = |other: &usize| *other != place && corners.iter().all(|p| trees[*other].winding(*p).abs() > 0.9);
+        let holds =
+            |other: &usize| *other != place && corners.iter().all(|p| trees[*other].winding_number(*p).abs() > 0.9);
         if (0..outwards.len()).filter(holds).count() % 2 == 1 {
             repairs.push(Repair::Cavity { at: corners[0] });
             members(*number).for_each(|f| part.faces[f].swap(1, 2));

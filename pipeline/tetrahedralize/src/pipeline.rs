@@ -9,8 +9,8 @@ use crate::geometry::{distance, normal};
 use crate::improve::Improve;
 use crate::insertion::insert_triangle;
 use crate::labels::{Space, label_all};
-use crate::lattice::{SizeField, lattice};
-use crate::orient::{orient, without_degenerate};
+use crate::lattice::{SizeField, graded_lattice};
+use crate::orient::{orient_part, without_degenerate};
 use crate::remesh::{Remesh, Sizing};
 use crate::topology::clean_labels;
 use crate::tree::Tree;
@@ -52,14 +52,14 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
 /// # Errors
 /// As [`tetrahedralize`].
 pub fn tetrahedralize_watched(parts: &[Part], set: &Settings, watch: &dyn Fn(&str)) -> Result<Tetrahedra, Refusal> {
-    check(parts, set)?;
-    let oriented: Vec<(Part, Vec<Repair>)> = parts.iter().map(|part| orient(&without_degenerate(part))).collect();
+    check_parts(parts, set)?;
+    let oriented: Vec<(Part, Vec<Repair>)> = parts.iter().map(|part| orient_part(&without_degenerate(part))).collect();
     let (parts, repairs): (Vec<Part>, Vec<Vec<Repair>>) = oriented.into_iter().unzip();
     let parts = parts.as_slice();
     let triangles: Vec<[Point3; 3]> = parts.iter().flat_map(Part::triangles).collect();
     let set = &Settings { envelope: MARGIN * set.envelope, ..*set };
     let envelope = Envelope::new(&triangles, set.edge);
-    let (skin, space) = remeshed(parts, &envelope, set);
+    let (skin, space) = remesh_parts(parts, &envelope, set);
     watch(&format!("surfaces remeshed: {} triangles", skin.faces.len()));
     let places: Vec<[Point3; 3]> = skin.faces.iter().map(|f| f.map(|n| skin.points[n as usize])).collect();
     let tree = Tree::new(&places);
@@ -68,28 +68,28 @@ pub fn tetrahedralize_watched(parts: &[Part], set: &Settings, watch: &dyn Fn(&st
     };
     let (size, slack) = (minimum(&skin.size), minimum(&skin.slack));
     let field = SizeField { tree: &tree, size: &size, gradation: set.gradation, edge: set.edge };
-    let mut complex = conforming(&skin, &field, &space);
+    let mut complex = conforming_complex(&skin, &field, &space);
     label_all(&mut complex, &space);
     clean_labels(&mut complex, (SPECK * set.edge).powi(3));
     complex.remove_label(OUTSIDE);
-    if complex.alive().next().is_none() {
+    if complex.living_tets().next().is_none() {
         return Err(Refusal::Nothing { at: triangles[0][0] });
     }
-    watch(&format!("surfaces inserted: {} tetrahedra", complex.alive().count()));
+    watch(&format!("surfaces inserted: {} tetrahedra", complex.living_tets().count()));
     let (on_skin, _) = complex.whole_skin();
-    let node_size = complex.points.iter().map(|p| field.value(*p)[0]).collect();
+    let node_size = complex.points.iter().map(|p| field.length_and_distance(*p)[0]).collect();
     let allowed = |p: &Point3| tree.nearest(*p, f64::INFINITY).map_or(0.0, |near| slack[near.triangle as usize]);
     let node_slack = complex.points.iter().map(|p| allowed(p) * 0.95 / SHARE).collect();
     let lines = Tree::new(&skin.lines.iter().map(|[a, b]| [*a, *b, *b]).collect::<Vec<_>>());
     let corners = Tree::new(&skin.corners.iter().map(|a| [*a; 3]).collect::<Vec<_>>());
     let mut improve =
         Improve { complex, size: node_size, slack: node_slack, on_skin, envelope: &envelope, lines, corners };
-    improve.run(set.rounds, watch);
-    Ok(Tetrahedra { repairs: repairs.concat(), ..compact(&improve.complex) })
+    improve.run_rounds(set.rounds, watch);
+    Ok(Tetrahedra { repairs: repairs.concat(), ..compact_complex(&improve.complex) })
 }
 
 /// Whether there is something to mesh, and not too much.
-fn check(parts: &[Part], set: &Settings) -> Result<(), Refusal> {
+fn check_parts(parts: &[Part], set: &Settings) -> Result<(), Refusal> {
     let numbers = [("edge", set.edge), ("envelope", set.envelope), ("least", set.least), ("aspect", set.aspect)];
     for (name, value) in numbers.into_iter().chain([("gradation", set.gradation)]) {
         if !(value > 0.0 && value.is_finite()) {
@@ -121,7 +121,7 @@ fn check(parts: &[Part], set: &Settings) -> Result<(), Refusal> {
     Err(Refusal::TooLarge { length, edge: set.edge, elements, limit: set.max_elements })
 }
 
-fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space) {
+fn remesh_parts(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space) {
     let sizing = Sizing {
         edge: set.edge,
         least: set.least,
@@ -135,8 +135,8 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space
     for part in parts {
         let envelope = Envelope::new(&part.triangles(), set.edge);
         let mut surface = Remesh::new((part.points.clone(), part.faces.clone()), &envelope, 0.4 * set.edge);
-        surface.run(&sizing);
-        let (points, faces, size, slack) = surface.finish();
+        surface.remesh_surface(&sizing);
+        let (points, faces, size, slack) = surface.finish_surface();
         let (lines, corners) = surface.features();
         skin.lines.extend(lines);
         skin.corners.extend(corners);
@@ -152,12 +152,12 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space
 }
 
 /// Tetrahedra of which the surfaces are unions of faces.
-fn conforming(skin: &Skin, field: &SizeField, space: &Space) -> Complex {
-    let inner = lattice(field, &skin.points, &|at| space.label(at) != OUTSIDE);
+fn conforming_complex(skin: &Skin, field: &SizeField, space: &Space) -> Complex {
+    let inner = graded_lattice(field, &skin.points, &|at| space.label_at(at) != OUTSIDE);
     let mut delaunay = Delaunay::around(&skin.points);
     let numbers = delaunay.insert_all(&skin.points);
     delaunay.insert_all(&inner);
-    let tets = delaunay.tetrahedra();
+    let tets = delaunay.living_tetrahedra();
     let labels = vec![0; tets.len()];
     let mut complex = Complex::new(delaunay.points, tets, labels);
     // a second time for triangles whose splits were refused: others have changed the tetrahedra since
@@ -178,10 +178,10 @@ fn conforming(skin: &Skin, field: &SizeField, space: &Space) -> Complex {
     complex
 }
 
-fn compact(complex: &Complex) -> Tetrahedra {
+fn compact_complex(complex: &Complex) -> Tetrahedra {
     let mut number = vec![u32::MAX; complex.points.len()];
     let mut mesh = Tetrahedra::default();
-    for tet in complex.alive() {
+    for tet in complex.living_tets() {
         let nodes = complex.tets[tet as usize].map(|n| {
             let number = &mut number[n as usize];
             if *number == u32::MAX {

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::complex::{Complex, OUTSIDE};
-use crate::delaunay::{SIDES, sorted};
+use crate::delaunay::{SIDES, sorted_edge};
 use crate::geometry::six_volumes;
 
 /// Times that edges are looked at: each change may make another edge bad.
@@ -25,14 +25,14 @@ pub(crate) fn clean_labels(complex: &mut Complex, speck: f64) {
     remove_specks(complex, speck);
 }
 
-fn volume(complex: &Complex, tet: u32) -> f64 {
-    six_volumes(complex.corners(tet)) / 6.0
+fn tet_volume(complex: &Complex, tet: u32) -> f64 {
+    six_volumes(complex.corners_of(tet)) / 6.0
 }
 
 /// Pairs of tetrahedra with a common face.
-fn neighbours(complex: &Complex) -> Vec<[u32; 2]> {
+fn neighbour_pairs(complex: &Complex) -> Vec<[u32; 2]> {
     let mut sides: Vec<([u32; 3], u32)> = Vec::new();
-    for tet in complex.alive() {
+    for tet in complex.living_tets() {
         let nodes = complex.tets[tet as usize];
         for side in SIDES.iter().map(|s| s.map(|i| nodes[i])) {
             let mut key = side;
@@ -46,36 +46,36 @@ fn neighbours(complex: &Complex) -> Vec<[u32; 2]> {
 
 /// Gives connected parts of less than a volume the label that most of their faces touch.
 fn remove_specks(complex: &mut Complex, speck: f64) {
-    let pairs = neighbours(complex);
+    let pairs = neighbour_pairs(complex);
     let mut root: Vec<u32> = (0..complex.tets.len() as u32).collect();
     for [a, b] in &pairs {
         if complex.labels[*a as usize] == complex.labels[*b as usize] {
-            let (p, q) = (find(&mut root, *a), find(&mut root, *b));
+            let (p, q) = (find_root(&mut root, *a), find_root(&mut root, *b));
             root[p.max(q) as usize] = p.min(q);
         }
     }
     let mut volumes: BTreeMap<u32, f64> = BTreeMap::new();
-    let tets: Vec<u32> = complex.alive().collect();
+    let tets: Vec<u32> = complex.living_tets().collect();
     for tet in &tets {
-        *volumes.entry(find(&mut root, *tet)).or_insert(0.0) += volume(complex, *tet);
+        *volumes.entry(find_root(&mut root, *tet)).or_insert(0.0) += tet_volume(complex, *tet);
     }
     volumes.retain(|_, v| *v < speck);
     let mut touched: BTreeMap<u32, BTreeMap<u16, usize>> = BTreeMap::new();
     for [a, b] in pairs.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]) {
-        let (p, label) = (find(&mut root, a), complex.labels[b as usize]);
+        let (p, label) = (find_root(&mut root, a), complex.labels[b as usize]);
         if volumes.contains_key(&p) && label != complex.labels[a as usize] {
             *touched.entry(p).or_default().entry(label).or_insert(0) += 1;
         }
     }
     for tet in tets {
-        let majority = touched.get(&find(&mut root, tet)).and_then(|t| t.iter().max_by_key(|(_, count)| **count));
+        let majority = touched.get(&find_root(&mut root, tet)).and_then(|t| t.iter().max_by_key(|(_, count)| **count));
         if let Some((label, _)) = majority {
             complex.labels[tet as usize] = *label;
         }
     }
 }
 
-fn find(root: &mut [u32], mut member: u32) -> u32 {
+fn find_root(root: &mut [u32], mut member: u32) -> u32 {
     while root[member as usize] != member {
         root[member as usize] = root[root[member as usize] as usize];
         member = root[member as usize];
@@ -88,14 +88,15 @@ fn crowded_edges(complex: &Complex) -> Vec<[u32; 2]> {
     let (_, faces) = complex.whole_skin();
     let solid = |label: u16| label != OUTSIDE;
     let skin = faces.iter().filter(|(_, [a, b])| solid(*a) != solid(*b));
-    let mut edges: Vec<[u32; 2]> = skin.flat_map(|([a, b, c], _)| [[*a, *b], [*b, *c], [*c, *a]].map(sorted)).collect();
+    let mut edges: Vec<[u32; 2]> =
+        skin.flat_map(|([a, b, c], _)| [[*a, *b], [*b, *c], [*c, *a]].map(sorted_edge)).collect();
     edges.sort_unstable();
     edges.chunk_by(|a, b| a == b).filter(|g| g.len() > 2).map(|g| g[0]).collect()
 }
 
 /// Of the solid and empty parts around an edge, changes the one of the least volume.
 fn change_least_part(complex: &mut Complex, edge: [u32; 2]) {
-    let ring = complex.ring(edge);
+    let ring = complex.edge_ring(edge);
     let solid = |t: u32| complex.labels[t as usize] != OUTSIDE;
     let opposite_nodes =
         |t: u32| complex.tets[t as usize].into_iter().filter(|n| !edge.contains(n)).collect::<Vec<_>>();
@@ -114,7 +115,7 @@ fn change_least_part(complex: &mut Complex, edge: [u32; 2]) {
         }
         parts.push(part);
     }
-    let size = |part: &Vec<u32>| part.iter().map(|t| volume(complex, *t)).sum::<f64>();
+    let size = |part: &Vec<u32>| part.iter().map(|t| tet_volume(complex, *t)).sum::<f64>();
     if parts.len() <= 2 {
         return;
     }

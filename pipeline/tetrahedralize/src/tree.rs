@@ -49,16 +49,21 @@ impl Tree {
         let centres: Vec<Point3> = triangles.iter().map(|t| centroid(*t)).collect();
         let mut tree = Self { branches: Vec::new(), triangles: Vec::new(), numbers: Vec::new() };
         if !triangles.is_empty() {
-            tree.grow(triangles, &centres, (0, &mut numbers));
+            tree.grow_branch(triangles, &centres, (0, &mut numbers));
         }
         tree.triangles = numbers.iter().map(|n| triangles[*n as usize]).collect();
         tree.numbers = numbers;
         tree
     }
 
-    fn grow(&mut self, triangles: &[[Point3; 3]], centres: &[Point3], (first, part): (usize, &mut [u32])) -> u32 {
+    fn grow_branch(
+        &mut self,
+        triangles: &[[Point3; 3]],
+        centres: &[Point3],
+        (first, part): (usize, &mut [u32]),
+    ) -> u32 {
         let branch_number = self.branches.len();
-        self.branches.push(branch(triangles, first, part));
+        self.branches.push(branch_of(triangles, first, part));
         if part.len() > LEAF {
             let Branch { low, high, .. } = self.branches[branch_number];
             let axis = (0..3).max_by(|i, j| (high[*i] - low[*i]).total_cmp(&(high[*j] - low[*j]))).unwrap_or(0);
@@ -66,8 +71,8 @@ impl Tree {
             let key = |n: &u32| (centres[*n as usize][axis], *n);
             part.select_nth_unstable_by(middle, |p, q| key(p).0.total_cmp(&key(q).0).then(p.cmp(q)));
             let (lower, upper) = part.split_at_mut(middle);
-            self.grow(triangles, centres, (first, lower));
-            self.branches[branch_number].second = self.grow(triangles, centres, (first + middle, upper));
+            self.grow_branch(triangles, centres, (first, lower));
+            self.branches[branch_number].second = self.grow_branch(triangles, centres, (first + middle, upper));
         }
         branch_number as u32
     }
@@ -86,7 +91,7 @@ impl Tree {
                 self.nearest_in_leaf(branch, at, (&mut best, reach));
                 continue;
             }
-            let children = [place + 1, branch.second].map(|c| (c, self.gap(c, at)));
+            let children = [place + 1, branch.second].map(|c| (c, self.box_gap(c, at)));
             let nearer = usize::from(children[1].1 < children[0].1);
             stack.extend([children[1 - nearer], children[nearer]]);
         }
@@ -113,7 +118,7 @@ impl Tree {
         let mut stack = if self.branches.is_empty() { vec![] } else { vec![0u32] };
         while let Some(place) = stack.pop() {
             let branch = &self.branches[place as usize];
-            if self.gap(place, at) > reach {
+            if self.box_gap(place, at) > reach {
                 continue;
             }
             if branch.second != 0 {
@@ -126,14 +131,14 @@ impl Tree {
     }
 
     /// Distance of a point from a branch's box.
-    fn gap(&self, place: u32, at: Point3) -> f64 {
+    fn box_gap(&self, place: u32, at: Point3) -> f64 {
         let Branch { low, high, .. } = &self.branches[place as usize];
         let gap = |k: usize| (low[k] - at[k]).max(at[k] - high[k]).max(0.0);
         norm([gap(0), gap(1), gap(2)])
     }
 
     /// The distances at which a ray along a unit vector crosses triangles within `reach`, with their numbers, unsorted.
-    pub(crate) fn crossings(&self, from: Point3, along: Point3, reach: f64) -> Vec<(f64, u32)> {
+    pub(crate) fn ray_crossings(&self, from: Point3, along: Point3, reach: f64) -> Vec<(f64, u32)> {
         let mut hits = Vec::new();
         let mut stack = if self.branches.is_empty() { vec![] } else { vec![0u32] };
         while let Some(place) = stack.pop() {
@@ -146,7 +151,7 @@ impl Tree {
                 continue;
             }
             for sorted in branch.first..branch.first + branch.count {
-                let hit = crossing(self.triangles[sorted as usize], from, along);
+                let hit = ray_crossing(self.triangles[sorted as usize], from, along);
                 hits.extend(hit.filter(|t| (0.0..=reach).contains(t)).map(|t| (t, self.numbers[sorted as usize])));
             }
         }
@@ -154,7 +159,7 @@ impl Tree {
     }
 
     /// Generalised winding number: 1 inside of a closed surface with normals outwards, 0 outside [barill2018].
-    pub(crate) fn winding(&self, at: Point3) -> f64 {
+    pub(crate) fn winding_number(&self, at: Point3) -> f64 {
         let mut angle = 0.0;
         let mut stack = if self.branches.is_empty() { vec![] } else { vec![0u32] };
         while let Some(place) = stack.pop() {
@@ -174,7 +179,7 @@ impl Tree {
     }
 }
 
-fn branch(triangles: &[[Point3; 3]], first: usize, part: &[u32]) -> Branch {
+fn branch_of(triangles: &[[Point3; 3]], first: usize, part: &[u32]) -> Branch {
     let members = || part.iter().map(|n| triangles[*n as usize]);
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let (mut dipole, mut moment, mut area) = ([0.0; 3], [0.0; 3], 0.0);
@@ -211,7 +216,7 @@ fn crosses_box(Branch { low, high, .. }: &Branch, from: Point3, along: Point3, r
 }
 
 /// Where a ray crosses a triangle [moller1997].
-fn crossing([a, b, c]: [Point3; 3], from: Point3, along: Point3) -> Option<f64> {
+fn ray_crossing([a, b, c]: [Point3; 3], from: Point3, along: Point3) -> Option<f64> {
     let (ab, ac) = (sub(b, a), sub(c, a));
     let p = cross(along, ac);
     let determinant = dot(ab, p);

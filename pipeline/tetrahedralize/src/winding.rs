@@ -16,6 +16,6 @@ impl Winding {
 
     /// The number at a point (m), without unit: 1 within one closed surface, 2 within two that overlap, 0 outside; between them where there are holes.
     pub fn number_at(&self, point: Point3) -> f64 {
-        self.0.winding(point)
+        self.0.winding_number(point)
     }
 }

@@ -12,23 +12,23 @@ use crate::remesh::Kind;
 
 impl Improve<'_> {
     /// Moves nodes of smooth parts by the mean distance of the surface from the faces around them.
-    pub(super) fn balance(&mut self) {
+    pub(super) fn balance_surface(&mut self) {
         let shifts: Vec<(u32, Point3)> = (0..self.complex.points.len() as u32)
             .filter(|n| self.on_skin[*n as usize])
-            .filter_map(|n| Some((n, self.shift(n)?)))
+            .filter_map(|n| Some((n, self.surface_shift(n)?)))
             .collect();
-        shifts.into_iter().for_each(|(node, by)| self.displace(node, by));
+        shifts.into_iter().for_each(|(node, by)| self.displace_node(node, by));
     }
 
-    fn shift(&self, node: u32) -> Option<Point3> {
-        let skin = self.complex.skin(node);
-        if skin.is_empty() || self.kind(node, &skin) != Kind::Smooth {
+    fn surface_shift(&self, node: u32) -> Option<Point3> {
+        let skin = self.complex.skin_faces(node);
+        if skin.is_empty() || self.node_kind(node, &skin) != Kind::Smooth {
             return None;
         }
         let reach = self.slack[node as usize];
         let (mut sum, mut area, mut upwards) = (0.0, 0.0, [0.0; 3]);
         for face in &skin {
-            let corners = self.complex.places(*face);
+            let corners = self.complex.positions_of(*face);
             let vector = normal(corners);
             let (weight, up) = (si::vec3::norm(vector), unit(vector));
             // the middles of the edges: their mean is exact for errors of second order
@@ -44,17 +44,17 @@ impl Improve<'_> {
         Some(scale(unit(upwards), length))
     }
 
-    fn displace(&mut self, node: u32, by: Point3) {
-        let skin = self.complex.skin(node);
-        let old: Vec<[Point3; 3]> = skin.iter().map(|f| self.complex.places(*f)).collect();
+    fn displace_node(&mut self, node: u32, shift: Point3) {
+        let skin = self.complex.skin_faces(node);
+        let old: Vec<[Point3; 3]> = skin.iter().map(|f| self.complex.positions_of(*f)).collect();
         let star = self.complex.star(node).to_vec();
         let position = self.complex.points[node as usize];
         let worst_distortion = self.worst_of(&star);
-        self.complex.points[node as usize] = add(position, by);
+        self.complex.points[node as usize] = add(position, shift);
         let sound =
-            star.iter().all(|t| distortion(self.complex.corners(*t)) <= (0.5 * POOR).max(1.02 * worst_distortion));
+            star.iter().all(|t| distortion(self.complex.corners_of(*t)) <= (0.5 * POOR).max(1.02 * worst_distortion));
         let reach = self.slack[node as usize];
-        if !sound || !skin.iter().zip(&old).all(|(f, o)| self.may_become(*o, self.complex.places(*f), reach)) {
+        if !sound || !skin.iter().zip(&old).all(|(f, o)| self.may_become(*o, self.complex.positions_of(*f), reach)) {
             self.complex.points[node as usize] = position;
         }
     }

@@ -8,56 +8,62 @@ use crate::remesh::{Kind, LONG, SHORT};
 impl Improve<'_> {
     /// Collapses short edges, the shortest first.
     pub(super) fn collapse_short(&mut self) {
-        let mut short: Vec<(f64, [u32; 2])> = self.edges().into_iter().map(|e| (self.ratio(e), e)).collect();
+        let mut short: Vec<(f64, [u32; 2])> = self.all_edges().into_iter().map(|e| (self.length_ratio(e), e)).collect();
         short.retain(|(ratio, _)| *ratio < SHORT);
         short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, [a, b]) in short {
-            if self.ratio([a, b]) < SHORT && !self.complex.ring([a, b]).is_empty() && !self.collapse([a, b], POOR) {
-                self.collapse([b, a], POOR);
+            if self.length_ratio([a, b]) < SHORT
+                && !self.complex.edge_ring([a, b]).is_empty()
+                && !self.collapse_edge([a, b], POOR)
+            {
+                self.collapse_edge([b, a], POOR);
             }
         }
     }
 
     /// Collapses edges of poor elements where that makes the worst around them better.
     pub(super) fn collapse_poor(&mut self) {
-        for tet in self.poor(POOR) {
-            if !self.complex.exists(tet) || distortion(self.complex.corners(tet)) < POOR {
+        for tet in self.poor_tets(POOR) {
+            if !self.complex.exists(tet) || distortion(self.complex.corners_of(tet)) < POOR {
                 continue;
             }
             let nodes = self.complex.tets[tet as usize];
             let mut edges: Vec<[u32; 2]> = EDGES.map(|[i, j]| [nodes[i], nodes[j]]).to_vec();
-            edges.sort_by(|a, b| self.length(*a).total_cmp(&self.length(*b)));
-            edges.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]).any(|edge| self.collapse(edge, 0.0));
+            edges.sort_by(|a, b| self.edge_length(*a).total_cmp(&self.edge_length(*b)));
+            edges.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]).any(|edge| self.collapse_edge(edge, 0.0));
         }
     }
 
     /// Elements of a distortion above a limit, the worst first.
-    pub(super) fn poor(&self, limit: f64) -> Vec<u32> {
-        let measured = self.complex.alive().map(|t| (distortion(self.complex.corners(t)), t));
+    pub(super) fn poor_tets(&self, limit: f64) -> Vec<u32> {
+        let measured = self.complex.living_tets().map(|t| (distortion(self.complex.corners_of(t)), t));
         let mut poor: Vec<_> = measured.filter(|(measure, _)| *measure > limit).collect();
         poor.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         poor.into_iter().map(|(_, t)| t).collect()
     }
 
     /// Moves the first node of an edge onto the second; elements may get as poor as `limit`, or as the worst before.
-    pub(super) fn collapse(&mut self, [gone, kept]: [u32; 2], limit: f64) -> bool {
-        let ring = self.complex.ring([gone, kept]);
+    pub(super) fn collapse_edge(&mut self, [gone, kept]: [u32; 2], limit: f64) -> bool {
+        let ring = self.complex.edge_ring([gone, kept]);
         if ring.is_empty() || !self.link_holds([gone, kept], &ring) {
             return false;
         }
         let star = self.complex.star(gone).to_vec();
         let survivors = star.iter().filter(|t| !ring.contains(t));
-        let moved = |t: &u32| self.complex.tets[*t as usize].map(|n| if n == gone { kept } else { n });
-        let new: Vec<([u32; 4], u16)> = survivors.map(|t| (moved(t), self.complex.labels[*t as usize])).collect();
-        if !self.betters(&star, &new, limit) {
+        let with_kept_node = |t: &u32| self.complex.tets[*t as usize].map(|n| if n == gone { kept } else { n });
+        let new: Vec<([u32; 4], u16)> =
+            survivors.map(|t| (with_kept_node(t), self.complex.labels[*t as usize])).collect();
+        if !self.is_better(&star, &new, limit) {
             return false;
         }
-        let neighbours = self.neighbours(gone);
-        let long = neighbours.iter().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(self.ratio([*n, gone])));
+        let neighbours = self.neighbours_of(gone);
+        let long = neighbours
+            .iter()
+            .any(|n| *n != kept && self.length_ratio([*n, kept]) > LONG.max(self.length_ratio([*n, gone])));
         if new.is_empty() || (limit > 0.0 && long) || !self.skin_follows(gone, kept) {
             return false;
         }
-        self.complex.replace(&star, &new);
+        self.complex.replace_tets(&star, &new);
         self.size[kept as usize] = self.size[kept as usize].min(self.size[gone as usize]);
         true
     }
@@ -65,21 +71,21 @@ impl Improve<'_> {
     /// Whether new elements are no poorer than `limit` or the worst of the old ones.
     ///
     /// Of flat elements, whose distortion is infinite, there are to be fewer, and each of exactly positive volume.
-    fn betters(&self, star: &[u32], new: &[([u32; 4], u16)], limit: f64) -> bool {
-        let old: Vec<f64> = star.iter().map(|t| distortion(self.complex.corners(*t))).collect();
+    fn is_better(&self, star: &[u32], new: &[([u32; 4], u16)], limit: f64) -> bool {
+        let old: Vec<f64> = star.iter().map(|t| distortion(self.complex.corners_of(*t))).collect();
         let worst_finite = old.iter().copied().filter(|m| m.is_finite()).fold(0.0, f64::max);
         let flat_count = old.iter().filter(|m| m.is_infinite()).count();
         let limit = limit.max(if flat_count > 0 { f64::MAX } else { 0.999 * worst_finite });
-        let flat = new.iter().filter(|(nodes, _)| self.distortion(*nodes).is_infinite()).collect::<Vec<_>>();
-        new.iter().all(|(nodes, _)| self.distortion(*nodes).is_infinite() || self.distortion(*nodes) <= limit)
+        let flat = new.iter().filter(|(nodes, _)| self.distortion_of(*nodes).is_infinite()).collect::<Vec<_>>();
+        new.iter().all(|(nodes, _)| self.distortion_of(*nodes).is_infinite() || self.distortion_of(*nodes) <= limit)
             && (flat.is_empty() || flat.len() < flat_count)
-            && flat.iter().all(|(nodes, _)| orientation(self.complex.places(*nodes)) > 0.0)
+            && flat.iter().all(|(nodes, _)| orientation(self.complex.positions_of(*nodes)) > 0.0)
     }
 
     /// Nodes joined to both ends are those of the ring; on the skin, those of the faces at the edge.
     fn link_holds(&self, [gone, kept]: [u32; 2], ring: &[u32]) -> bool {
-        let neighbours = self.neighbours(kept);
-        let shared = self.neighbours(gone).into_iter().filter(|n| neighbours.binary_search(n).is_ok()).count();
+        let neighbours = self.neighbours_of(kept);
+        let shared = self.neighbours_of(gone).into_iter().filter(|n| neighbours.binary_search(n).is_ok()).count();
         let mut link: Vec<u32> = ring.iter().flat_map(|t| self.complex.tets[*t as usize]).collect();
         link.sort_unstable();
         link.dedup();
@@ -91,15 +97,15 @@ impl Improve<'_> {
         if !self.on_skin[gone as usize] {
             return true;
         }
-        let skin = self.complex.skin(gone);
+        let skin = self.complex.skin_faces(gone);
         if skin.is_empty() {
             return true;
         }
         let wings = skin.iter().filter(|f| f.contains(&kept)).count();
-        let reach = self.slack(&[gone, kept]);
+        let reach = self.least_slack(&[gone, kept]);
         // as on the surfaces before: what is shorter than the envelope is not to be kept
-        let allowed = self.length([gone, kept]) < reach
-            || match self.kind(gone, &skin) {
+        let allowed = self.edge_length([gone, kept]) < reach
+            || match self.node_kind(gone, &skin) {
                 Kind::Smooth => true,
                 Kind::Crease(ends) => ends.contains(&kept),
                 Kind::Corner => false,
@@ -113,13 +119,13 @@ impl Improve<'_> {
             link.dedup();
             link
         };
-        let kept_link = link_of(&self.complex.skin(kept), kept);
+        let kept_link = link_of(&self.complex.skin_faces(kept), kept);
         if link_of(&skin, gone).iter().filter(|n| kept_link.contains(n)).count() != wings {
             return false;
         }
         skin.iter().filter(|f| !f.contains(&kept)).all(|face| {
             let new = face.map(|n| if n == gone { kept } else { n });
-            self.may_become(self.complex.places(*face), self.complex.places(new), reach)
+            self.may_become(self.complex.positions_of(*face), self.complex.positions_of(new), reach)
         })
     }
 }

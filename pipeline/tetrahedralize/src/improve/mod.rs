@@ -14,7 +14,7 @@ use si::Point3;
 use si::vec3::dot;
 
 use crate::complex::Complex;
-use crate::delaunay::sorted;
+use crate::delaunay::sorted_edge;
 use crate::envelope::Envelope;
 use crate::geometry::{centroid, distance, distortion, flatness, normal, unit};
 use crate::insertion::EDGES;
@@ -42,7 +42,7 @@ pub(crate) struct Improve<'a> {
 
 impl Improve<'_> {
     /// Rounds of operations until the worst elements no longer get better.
-    pub(crate) fn run(&mut self, rounds: usize, watch: &dyn Fn(&str)) {
+    pub(crate) fn run_rounds(&mut self, rounds: usize, watch: &dyn Fn(&str)) {
         for round in 0..rounds {
             if round > 0 {
                 self.split_long();
@@ -52,10 +52,10 @@ impl Improve<'_> {
             self.smooth_all(1.8);
             self.swap_poor(2.0);
             self.smooth_all(1.8);
-            watch(&format!("round {} of {rounds}: {} tetrahedra", round + 1, self.complex.alive().count()));
+            watch(&format!("round {} of {rounds}: {} tetrahedra", round + 1, self.complex.living_tets().count()));
         }
         for _ in 0..2 * rounds {
-            if self.worst() < POOR {
+            if self.worst_distortion() < POOR {
                 break;
             }
             self.collapse_poor();
@@ -67,44 +67,44 @@ impl Improve<'_> {
             self.smooth_all(4.0);
             self.peel_poor();
         }
-        self.balance();
-        self.balance();
+        self.balance_surface();
+        self.balance_surface();
     }
 
-    fn worst(&self) -> f64 {
-        self.complex.alive().map(|t| distortion(self.complex.corners(t))).fold(0.0, f64::max)
+    fn worst_distortion(&self) -> f64 {
+        self.complex.living_tets().map(|t| distortion(self.complex.corners_of(t))).fold(0.0, f64::max)
     }
 
-    pub(crate) fn distortion(&self, nodes: [u32; 4]) -> f64 {
-        distortion(self.complex.places(nodes))
+    pub(crate) fn distortion_of(&self, nodes: [u32; 4]) -> f64 {
+        distortion(self.complex.positions_of(nodes))
     }
 
     /// The largest distortion of some tetrahedra.
     fn worst_of(&self, tets: &[u32]) -> f64 {
-        tets.iter().map(|t| distortion(self.complex.corners(*t))).fold(0.0, f64::max)
+        tets.iter().map(|t| distortion(self.complex.corners_of(*t))).fold(0.0, f64::max)
     }
 
-    fn length(&self, [a, b]: [u32; 2]) -> f64 {
+    fn edge_length(&self, [a, b]: [u32; 2]) -> f64 {
         distance(self.complex.points[a as usize], self.complex.points[b as usize])
     }
 
-    fn ratio(&self, [a, b]: [u32; 2]) -> f64 {
-        self.length([a, b]) / self.size[a as usize].min(self.size[b as usize])
+    fn length_ratio(&self, [a, b]: [u32; 2]) -> f64 {
+        self.edge_length([a, b]) / self.size[a as usize].min(self.size[b as usize])
     }
 
-    fn slack(&self, nodes: &[u32]) -> f64 {
+    fn least_slack(&self, nodes: &[u32]) -> f64 {
         nodes.iter().map(|n| self.slack[*n as usize]).fold(f64::INFINITY, f64::min)
     }
 
-    fn edges(&self) -> Vec<[u32; 2]> {
-        let tets = self.complex.alive().map(|t| self.complex.tets[t as usize]);
-        let mut edges: Vec<_> = tets.flat_map(|t| EDGES.map(|[i, j]| sorted([t[i], t[j]]))).collect();
+    fn all_edges(&self) -> Vec<[u32; 2]> {
+        let tets = self.complex.living_tets().map(|t| self.complex.tets[t as usize]);
+        let mut edges: Vec<_> = tets.flat_map(|t| EDGES.map(|[i, j]| sorted_edge([t[i], t[j]]))).collect();
         edges.sort_unstable();
         edges.dedup();
         edges
     }
 
-    fn neighbours(&self, node: u32) -> Vec<u32> {
+    fn neighbours_of(&self, node: u32) -> Vec<u32> {
         let star = self.complex.star(node);
         let mut neighbours: Vec<u32> =
             star.iter().flat_map(|t| self.complex.tets[*t as usize]).filter(|n| *n != node).collect();
@@ -118,11 +118,11 @@ impl Improve<'_> {
         if !(self.on_skin[a as usize] && self.on_skin[b as usize]) {
             return Vec::new();
         }
-        self.complex.skin(a).into_iter().filter(|f| f.contains(&b)).collect()
+        self.complex.skin_faces(a).into_iter().filter(|f| f.contains(&b)).collect()
     }
 
     /// How a node of the skin may move, by the faces around it.
-    fn kind(&self, node: u32, skin: &[[u32; 3]]) -> Kind {
+    fn node_kind(&self, node: u32, skin: &[[u32; 3]]) -> Kind {
         let mut neighbours: Vec<u32> = skin.iter().flatten().copied().filter(|n| *n != node).collect();
         neighbours.sort_unstable();
         neighbours.dedup();
@@ -142,20 +142,20 @@ impl Improve<'_> {
     /// A sharp edge away from the surfaces' own is a dent that a refused split has left, and is to vanish.
     fn is_feature(&self, faces: &[[u32; 3]], edge: [u32; 2]) -> bool {
         let &[f, g] = faces else { return true };
-        let corners = [f, g].map(|n| self.complex.places(n));
+        let corners = [f, g].map(|n| self.complex.positions_of(n));
         if corners.iter().any(|c| flatness(*c) < FLAT) {
             return false;
         }
         let [m, n] = corners.map(|c| unit(normal(c)));
         dot(m, n) < SHARP && {
-            let middle = centroid(self.complex.places(edge));
-            self.lines.within(middle, self.slack(&edge), None).is_some()
+            let middle = centroid(self.complex.positions_of(edge));
+            self.lines.within(middle, self.least_slack(&edge), None).is_some()
         }
     }
 
     /// Whether a face between unlike labels may take the place of another.
     fn may_become(&self, old: [Point3; 3], new: [Point3; 3], reach: f64) -> bool {
-        if flatness(new) < 0.1 * FLAT || !self.near(new, reach) {
+        if flatness(new) < 0.1 * FLAT || !self.is_near_surface(new, reach) {
             return false;
         }
         let upwards = unit(normal(new));
@@ -168,7 +168,7 @@ impl Improve<'_> {
         turn > -0.2 && foot.is_some_and(|foot| dot(self.envelope.normal(foot.triangle), upwards).abs() > SHARP)
     }
 
-    fn near(&self, face: [Point3; 3], reach: f64) -> bool {
-        self.envelope.holds(face, reach)
+    fn is_near_surface(&self, face: [Point3; 3], reach: f64) -> bool {
+        self.envelope.holds_triangle(face, reach)
     }
 }

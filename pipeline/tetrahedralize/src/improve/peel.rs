@@ -11,9 +11,9 @@ use crate::geometry::distortion;
 impl Improve<'_> {
     /// Takes poor elements with two or three faces on the outer surface away, the worst first.
     pub(super) fn peel_poor(&mut self) {
-        for tet in self.poor(2.0 * POOR) {
-            if self.complex.exists(tet) && distortion(self.complex.corners(tet)) > 2.0 * POOR && self.may_peel(tet) {
-                self.complex.remove(tet);
+        for tet in self.poor_tets(2.0 * POOR) {
+            if self.complex.exists(tet) && distortion(self.complex.corners_of(tet)) > 2.0 * POOR && self.may_peel(tet) {
+                self.complex.remove_tet(tet);
             }
         }
     }
@@ -21,7 +21,7 @@ impl Improve<'_> {
     fn may_peel(&self, tet: u32) -> bool {
         let nodes = self.complex.tets[tet as usize];
         let sides = SIDES.map(|side| side.map(|i| nodes[i]));
-        let open = sides.map(|side| self.complex.behind(tet, side) == OUTSIDE);
+        let open = sides.map(|side| self.complex.label_behind(tet, side) == OUTSIDE);
         let outer: Vec<[u32; 3]> =
             sides.into_iter().zip(open).filter(|(_, open)| *open).map(|(side, _)| side).collect();
         let inner: Vec<[u32; 3]> =
@@ -37,7 +37,9 @@ impl Improve<'_> {
             _ => false,
         };
         let label = self.complex.labels[tet as usize];
-        let one_label = inner.iter().all(|side| self.complex.behind(tet, *side) == label);
-        keeps_topology && one_label && inner.iter().all(|side| self.near(self.complex.places(*side), self.slack(side)))
+        let one_label = inner.iter().all(|side| self.complex.label_behind(tet, *side) == label);
+        keeps_topology
+            && one_label
+            && inner.iter().all(|side| self.is_near_surface(self.complex.positions_of(*side), self.least_slack(side)))
     }
 }

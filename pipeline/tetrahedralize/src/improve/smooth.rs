@@ -16,40 +16,40 @@ impl Improve<'_> {
         for node in 0..self.complex.points.len() as u32 {
             let worst = self.worst_of(self.complex.star(node));
             if worst > limit {
-                self.smooth(node);
+                self.smooth_node(node);
             }
         }
     }
 
-    fn smooth(&mut self, node: u32) {
-        let skin = if self.on_skin[node as usize] { self.complex.skin(node) } else { Vec::new() };
+    fn smooth_node(&mut self, node: u32) {
+        let skin = if self.on_skin[node as usize] { self.complex.skin_faces(node) } else { Vec::new() };
         if skin.is_empty() {
             let step = self.newton_step(node, None);
-            self.descend(node, step, &[]);
-        } else if self.kind(node, &skin) == Kind::Smooth {
-            let upwards = unit(skin.iter().fold([0.0; 3], |sum, f| add(sum, normal(self.complex.places(*f)))));
+            self.descend_along(node, step, &[]);
+        } else if self.node_kind(node, &skin) == Kind::Smooth {
+            let upwards = unit(skin.iter().fold([0.0; 3], |sum, f| add(sum, normal(self.complex.positions_of(*f)))));
             let step = self.newton_step(node, Some(upwards));
-            self.descend(node, step, &skin);
+            self.descend_along(node, step, &skin);
         }
     }
 
     /// Goes along a step, on the surface if there are faces of it, as far as the sum gets less and the worst no worse.
-    fn descend(&mut self, node: u32, step: Point3, skin: &[[u32; 3]]) {
+    fn descend_along(&mut self, node: u32, step: Point3, skin: &[[u32; 3]]) {
         let position = self.complex.points[node as usize];
-        let old: Vec<[Point3; 3]> = skin.iter().map(|f| self.complex.places(*f)).collect();
-        let (sum, worst) = self.measure(node);
+        let old: Vec<[Point3; 3]> = skin.iter().map(|f| self.complex.positions_of(*f)).collect();
+        let (sum, worst) = self.measure_star(node);
         let reach = self.slack[node as usize];
         let mut share = 1.0;
         for _ in 0..HALVINGS {
             let target = add(position, scale(step, share));
-            let foot = if skin.is_empty() { Some(target) } else { self.foot(target, &old, reach) };
+            let foot = if skin.is_empty() { Some(target) } else { self.surface_foot(target, &old, reach) };
             share *= 0.5;
             let Some(target) = foot else { continue };
             self.complex.points[node as usize] = target;
-            let (new_sum, new_worst) = self.measure(node);
+            let (new_sum, new_worst) = self.measure_star(node);
             // the envelope last: it costs a hundred times the measure
             let better = new_sum < 0.9999 * sum && new_worst <= worst.max(1.5);
-            if better && skin.iter().zip(&old).all(|(f, o)| self.may_become(*o, self.complex.places(*f), reach)) {
+            if better && skin.iter().zip(&old).all(|(f, o)| self.may_become(*o, self.complex.positions_of(*f), reach)) {
                 return;
             }
             self.complex.points[node as usize] = position;
@@ -57,7 +57,7 @@ impl Improve<'_> {
     }
 
     /// The surface's point nearest to one, on the side that looks like the old faces.
-    fn foot(&self, at: Point3, old: &[[Point3; 3]], reach: f64) -> Option<Point3> {
+    fn surface_foot(&self, at: Point3, old: &[[Point3; 3]], reach: f64) -> Option<Point3> {
         let upwards = unit(old.iter().fold([0.0; 3], |sum, f| add(sum, normal(*f))));
         let foot = self.envelope.nearest(at, 2.0 * reach)?;
         // faces between regions may look either way
@@ -65,8 +65,8 @@ impl Improve<'_> {
     }
 
     /// Sum of squared distortions around a node, and the largest one.
-    fn measure(&self, node: u32) -> (f64, f64) {
-        let measures = self.complex.star(node).iter().map(|t| distortion(self.complex.corners(*t)));
+    fn measure_star(&self, node: u32) -> (f64, f64) {
+        let measures = self.complex.star(node).iter().map(|t| distortion(self.complex.corners_of(*t)));
         measures.fold((0.0, 0.0), |(sum, worst), m| (sum + m * m, f64::max(worst, m)))
     }
 
@@ -75,7 +75,7 @@ impl Improve<'_> {
         let (mut gradient, mut hessian) = ([0.0; 3], [[0.0; 3]; 3]);
         let mut size = 0.0f64;
         for tet in self.complex.star(node) {
-            let corners = self.opposite(*tet, node);
+            let corners = self.corners_from(*tet, node);
             size = size.max(norm(sub(corners[1], corners[0])));
             add_square(corners, (&mut gradient, &mut hessian));
         }
@@ -93,7 +93,7 @@ impl Improve<'_> {
     }
 
     /// A tetrahedron's corners with a node first, in an order of positive volume.
-    fn opposite(&self, tet: u32, node: u32) -> [Point3; 4] {
+    fn corners_from(&self, tet: u32, node: u32) -> [Point3; 4] {
         let nodes = self.complex.tets[tet as usize];
         let order = match nodes.iter().position(|n| *n == node) {
             Some(0) | None => nodes,
@@ -101,7 +101,7 @@ impl Improve<'_> {
             Some(2) => [nodes[2], nodes[0], nodes[1], nodes[3]],
             _ => [nodes[3], nodes[0], nodes[2], nodes[1]],
         };
-        self.complex.places(order)
+        self.complex.positions_of(order)
     }
 }
 

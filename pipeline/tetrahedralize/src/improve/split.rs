@@ -11,35 +11,35 @@ use crate::remesh::LONG;
 impl Improve<'_> {
     /// Splits long edges, the longest first.
     pub(super) fn split_long(&mut self) {
-        let mut long: Vec<(f64, [u32; 2])> = self.edges().into_iter().map(|e| (self.ratio(e), e)).collect();
+        let mut long: Vec<(f64, [u32; 2])> = self.all_edges().into_iter().map(|e| (self.length_ratio(e), e)).collect();
         long.retain(|(ratio, _)| *ratio > LONG);
         long.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (_, edge) in long {
-            self.split(edge, 2.0 * POOR);
+            self.split_edge(edge, 2.0 * POOR);
         }
     }
 
     /// Splits the longest edge of each poor element.
     pub(super) fn split_poor(&mut self) {
-        for tet in self.poor(2.0 * POOR) {
-            if !self.complex.exists(tet) || distortion(self.complex.corners(tet)) < POOR {
+        for tet in self.poor_tets(2.0 * POOR) {
+            if !self.complex.exists(tet) || distortion(self.complex.corners_of(tet)) < POOR {
                 continue;
             }
             let nodes = self.complex.tets[tet as usize];
             let edges = EDGES.map(|[i, j]| [nodes[i], nodes[j]]);
-            if let Some(edge) = edges.into_iter().max_by(|a, b| self.length(*a).total_cmp(&self.length(*b))) {
-                self.split(edge, f64::INFINITY);
+            if let Some(edge) = edges.into_iter().max_by(|a, b| self.edge_length(*a).total_cmp(&self.edge_length(*b))) {
+                self.split_edge(edge, f64::INFINITY);
             }
         }
     }
 
     /// Splits an edge in its middle, on the surface if it lies there; elements may get as poor as `limit`, or as the worst before.
-    pub(super) fn split(&mut self, edge: [u32; 2], limit: f64) -> bool {
-        let ring = self.complex.ring(edge);
+    pub(super) fn split_edge(&mut self, edge: [u32; 2], limit: f64) -> bool {
+        let ring = self.complex.edge_ring(edge);
         if ring.is_empty() {
             return false;
         }
-        let [p, q] = self.complex.places(edge);
+        let [p, q] = self.complex.positions_of(edge);
         let middle = scale(add(p, q), 0.5);
         let skin = self.skin_at(edge);
         let limit = limit.max(self.worst_of(&ring));
@@ -58,13 +58,13 @@ impl Improve<'_> {
 
     fn split_at(&mut self, (edge, node): ([u32; 2], u32), at: Point3, limit: f64) -> bool {
         self.complex.points[node as usize] = at;
-        let (old, new) = self.complex.bisected(edge, node);
+        let (old, new) = self.complex.bisect_edge(edge, node);
         let sound = new.iter().all(|(nodes, _)| {
-            let measure = self.distortion(*nodes);
+            let measure = self.distortion_of(*nodes);
             measure.is_finite() && measure <= limit
         });
         if sound {
-            self.complex.replace(&old, &new);
+            self.complex.replace_tets(&old, &new);
         }
         sound
     }

@@ -20,8 +20,8 @@ struct Chain {
 impl Improve<'_> {
     /// Swaps edges and faces of elements above a distortion.
     pub(super) fn swap_poor(&mut self, limit: f64) {
-        for tet in self.poor(limit) {
-            if !self.complex.exists(tet) || distortion(self.complex.corners(tet)) < limit {
+        for tet in self.poor_tets(limit) {
+            if !self.complex.exists(tet) || distortion(self.complex.corners_of(tet)) < limit {
                 continue;
             }
             let nodes = self.complex.tets[tet as usize];
@@ -34,27 +34,27 @@ impl Improve<'_> {
 
     /// Replaces the tetrahedra around an edge by others without it, when the worst gets better.
     pub(super) fn remove_edge(&mut self, [a, b]: [u32; 2]) -> bool {
-        let ring = self.complex.ring([a, b]);
-        let Some(chains) = self.chains([a, b], &ring) else { return false };
+        let ring = self.complex.edge_ring([a, b]);
+        let Some(chains) = self.ring_chains([a, b], &ring) else { return false };
         let worst_distortion = self.worst_of(&ring);
         let mut new = Vec::new();
         for chain in &chains {
-            let Some(tets) = self.triangulated([a, b], chain, GAIN * worst_distortion) else { return false };
+            let Some(tets) = self.best_triangulation([a, b], chain, GAIN * worst_distortion) else { return false };
             new.extend(tets);
         }
         if chains.iter().any(|c| !c.closed) && !self.skin_swaps([a, b], &chains) {
             return false;
         }
-        self.complex.replace(&ring, &new);
+        self.complex.replace_tets(&ring, &new);
         true
     }
 
     /// The ring around an edge: one closed chain, or one or two open ones between two faces of unlike labels.
-    fn chains(&self, [a, b]: [u32; 2], ring: &[u32]) -> Option<Vec<Chain>> {
+    fn ring_chains(&self, [a, b]: [u32; 2], ring: &[u32]) -> Option<Vec<Chain>> {
         if ring.len() > MAX_RING {
             return None;
         }
-        let mut steps: Vec<(u32, u32, u16)> = ring.iter().map(|t| self.step([a, b], *t)).collect();
+        let mut steps: Vec<(u32, u32, u16)> = ring.iter().map(|t| self.ring_step([a, b], *t)).collect();
         steps.sort_unstable();
         let step_from = |node: u32| steps.iter().find(|s| s.0 == node).copied();
         let step_to = |node: u32| steps.iter().find(|s| s.1 == node).copied();
@@ -89,7 +89,7 @@ impl Improve<'_> {
     }
 
     /// The other two nodes of a tetrahedron at an edge, in the order in which it goes round the edge.
-    fn step(&self, [a, b]: [u32; 2], tet: u32) -> (u32, u32, u16) {
+    fn ring_step(&self, [a, b]: [u32; 2], tet: u32) -> (u32, u32, u16) {
         let nodes = self.complex.tets[tet as usize];
         let corner = |n: u32| nodes.iter().position(|m| *m == n).unwrap_or(0);
         let (i, j) = (corner(a), corner(b));
@@ -103,7 +103,7 @@ impl Improve<'_> {
     }
 
     /// The triangulation of a chain's polygon whose worst pair of tetrahedra is best, if all are better than `limit` [klincsek1980].
-    fn triangulated(&self, [a, b]: [u32; 2], chain: &Chain, limit: f64) -> Option<Vec<([u32; 4], u16)>> {
+    fn best_triangulation(&self, [a, b]: [u32; 2], chain: &Chain, limit: f64) -> Option<Vec<([u32; 4], u16)>> {
         let nodes = &chain.nodes;
         let count = nodes.len();
         let pair =
@@ -112,7 +112,7 @@ impl Improve<'_> {
         for span in 2..count {
             for i in 0..count - span {
                 let j = i + span;
-                let cost = |k: usize| pair(i, k, j).map(|t| self.distortion(t)).into_iter().fold(0.0, f64::max);
+                let cost = |k: usize| pair(i, k, j).map(|t| self.distortion_of(t)).into_iter().fold(0.0, f64::max);
                 let options = (i + 1..j).map(|k| (cost(k).max(best[i][k].0).max(best[k][j].0), k));
                 best[i][j] = options.min_by(|x, y| x.0.total_cmp(&y.0))?;
             }
@@ -143,9 +143,9 @@ impl Improve<'_> {
         if chains.iter().all(|c| c.nodes.len() == 2) {
             return false;
         }
-        let old = [[b, a, first], [a, b, last]].map(|f| self.complex.places(f));
-        let new = [[a, first, last], [b, last, first]].map(|f| self.complex.places(f));
-        let reach = self.slack(&[a, b, first, last]);
+        let old = [[b, a, first], [a, b, last]].map(|f| self.complex.positions_of(f));
+        let new = [[a, first, last], [b, last, first]].map(|f| self.complex.positions_of(f));
+        let reach = self.least_slack(&[a, b, first, last]);
         new.iter().all(|n| old.iter().all(|o| self.may_become(*o, *n, reach)))
     }
 
@@ -161,15 +161,15 @@ impl Improve<'_> {
         let label = self.complex.labels[tet as usize];
         let tip = |t: u32| self.complex.tets[t as usize].into_iter().find(|n| !face.contains(n));
         let (Some(p), Some(q)) = (tip(tet), tip(other)) else { return false };
-        if label != self.complex.labels[other as usize] || !self.complex.ring([p, q]).is_empty() {
+        if label != self.complex.labels[other as usize] || !self.complex.edge_ring([p, q]).is_empty() {
             return false;
         }
         // the face's normal points away from p, towards q
         let new = [[x, y], [y, z], [z, x]].map(|[s, e]| ([p, q, s, e], label));
         let worst_distortion = self.worst_of(&[tet, other]);
-        let better = new.iter().all(|(nodes, _)| self.distortion(*nodes) < GAIN * worst_distortion);
+        let better = new.iter().all(|(nodes, _)| self.distortion_of(*nodes) < GAIN * worst_distortion);
         if better {
-            self.complex.replace(&[tet, other], &new);
+            self.complex.replace_tets(&[tet, other], &new);
         }
         better
     }

@@ -14,9 +14,9 @@ const MAX_MARKS: f64 = 400.0;
 impl Remesh<'_> {
     /// Marks points of long edges where two planes meet: between marked corners alone, a ridge could be cut off.
     pub(super) fn mark_edges(&mut self, spacing: f64) {
-        for edge in self.edges() {
-            let parts = (self.length(edge) / spacing).ceil().min(MAX_MARKS) as u32;
-            let wings = self.wings(edge);
+        for edge in self.all_edges() {
+            let parts = (self.edge_length(edge) / spacing).ceil().min(MAX_MARKS) as u32;
+            let wings = self.edge_faces(edge);
             if parts < 2 || self.is_flat(&wings) {
                 continue;
             }
@@ -31,12 +31,12 @@ impl Remesh<'_> {
     /// Whether faces at an edge lie in one plane.
     fn is_flat(&self, wings: &[u32]) -> bool {
         let &[f, g] = wings else { return false };
-        let [m, n] = [f, g].map(|face| unit(normal(self.corners(face))));
+        let [m, n] = [f, g].map(|face| unit(normal(self.face_corners(face))));
         dot(m, n) > PLANE
     }
 
     /// The input's points of old faces, each with the new face that is nearest to it; none when one of them is too far from all.
-    pub(super) fn assigned(&self, old: &[u32], new: &[[Point3; 3]], reach: f64) -> Option<Vec<Vec<u32>>> {
+    pub(super) fn assign_marks(&self, old: &[u32], new: &[[Point3; 3]], reach: f64) -> Option<Vec<Vec<u32>>> {
         let mut marks = vec![Vec::new(); new.len()];
         for mark in old.iter().flat_map(|f| &self.marks[*f as usize]) {
             let position = self.input[*mark as usize];

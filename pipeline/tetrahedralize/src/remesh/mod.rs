@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use si::Point3;
 use si::vec3::{add, dot, scale, sub};
 
-use crate::delaunay::sorted;
+use crate::delaunay::sorted_edge;
 use crate::envelope::Envelope;
 use crate::geometry::{centroid, distance, flatness, normal, unit};
 pub(crate) use size::Sizing;
@@ -57,10 +57,13 @@ pub(crate) struct Remesh<'a> {
 
 impl<'a> Remesh<'a> {
     pub(crate) fn new((points, faces): (Vec<Point3>, Vec<[u32; 3]>), envelope: &'a Envelope, spacing: f64) -> Self {
-        let mut around = vec![Vec::new(); points.len()];
-        faces.iter().enumerate().for_each(|(f, face)| face.iter().for_each(|n| around[*n as usize].push(f as u32)));
+        let mut faces_at_node = vec![Vec::new(); points.len()];
+        faces
+            .iter()
+            .enumerate()
+            .for_each(|(f, face)| face.iter().for_each(|n| faces_at_node[*n as usize].push(f as u32)));
         let mut marks = vec![Vec::new(); faces.len()];
-        for (node, star) in around.iter().enumerate() {
+        for (node, star) in faces_at_node.iter().enumerate() {
             star.iter().take(1).for_each(|f| marks[*f as usize].push(node as u32));
         }
         let count = points.len();
@@ -68,7 +71,7 @@ impl<'a> Remesh<'a> {
         let mut surface = Self {
             points,
             faces,
-            around,
+            around: faces_at_node,
             size: vec![f64::INFINITY; count],
             slack: vec![0.0; count],
             marks,
@@ -80,8 +83,8 @@ impl<'a> Remesh<'a> {
     }
 
     /// Brings edges to their lengths.
-    pub(crate) fn run(&mut self, sizing: &Sizing) {
-        self.grade(sizing, 0);
+    pub(crate) fn remesh_surface(&mut self, sizing: &Sizing) {
+        self.grade_sizes(sizing, 0);
         for round in 0..ROUNDS {
             self.flip_edges();
             // strips around fillets merge pair by pair
@@ -96,17 +99,17 @@ impl<'a> Remesh<'a> {
             self.relax_nodes();
             // sizes of new nodes are interpolated, those of nodes on faces that were large at first are seen only now
             if round < 4 {
-                self.grade(sizing, round + 1);
+                self.grade_sizes(sizing, round + 1);
             }
         }
         self.flip_edges();
     }
 
     /// Points and faces that are left.
-    pub(crate) fn finish(&self) -> (Vec<Point3>, Vec<[u32; 3]>, Vec<f64>, Vec<f64>) {
+    pub(crate) fn finish_surface(&self) -> (Vec<Point3>, Vec<[u32; 3]>, Vec<f64>, Vec<f64>) {
         let mut number = vec![GONE; self.points.len()];
         let (mut points, mut size, mut slack) = (Vec::new(), Vec::new(), Vec::new());
-        let faces: Vec<[u32; 3]> = self.alive().map(|f| self.faces[f as usize]).collect();
+        let faces: Vec<[u32; 3]> = self.living_faces().map(|f| self.faces[f as usize]).collect();
         for node in faces.iter().flatten() {
             let number = &mut number[*node as usize];
             if *number == GONE {
@@ -123,45 +126,49 @@ impl<'a> Remesh<'a> {
     /// Lines and points that are kept.
     pub(crate) fn features(&self) -> (Vec<[Point3; 2]>, Vec<Point3>) {
         let position = |n: u32| self.points[n as usize];
-        let lines =
-            self.edges().into_iter().filter(|e| self.is_feature(*e)).map(|[a, b]| [position(a), position(b)]).collect();
+        let lines = self
+            .all_edges()
+            .into_iter()
+            .filter(|e| self.is_feature(*e))
+            .map(|[a, b]| [position(a), position(b)])
+            .collect();
         let nodes = (0..self.points.len() as u32).filter(|n| !self.around[*n as usize].is_empty());
-        (lines, nodes.filter(|n| self.kind(*n) == Kind::Corner).map(position).collect())
+        (lines, nodes.filter(|n| self.node_kind(*n) == Kind::Corner).map(position).collect())
     }
 
     fn mean_edge(&self, node: u32) -> f64 {
-        let neighbours = self.neighbours(node);
-        let sum: f64 = neighbours.iter().map(|n| self.length([*n, node])).sum();
+        let neighbours = self.neighbours_of(node);
+        let sum: f64 = neighbours.iter().map(|n| self.edge_length([*n, node])).sum();
         sum / neighbours.len().max(1) as f64
     }
 
-    fn alive(&self) -> impl Iterator<Item = u32> + '_ {
+    fn living_faces(&self) -> impl Iterator<Item = u32> + '_ {
         (0..self.faces.len() as u32).filter(|f| self.faces[*f as usize][0] != GONE)
     }
 
-    fn corners(&self, face: u32) -> [Point3; 3] {
-        self.places(self.faces[face as usize])
+    fn face_corners(&self, face: u32) -> [Point3; 3] {
+        self.positions_of(self.faces[face as usize])
     }
 
-    fn places(&self, nodes: [u32; 3]) -> [Point3; 3] {
+    fn positions_of(&self, nodes: [u32; 3]) -> [Point3; 3] {
         nodes.map(|n| self.points[n as usize])
     }
 
-    fn length(&self, [a, b]: [u32; 2]) -> f64 {
+    fn edge_length(&self, [a, b]: [u32; 2]) -> f64 {
         distance(self.points[a as usize], self.points[b as usize])
     }
 
     /// Length over the target of the edge's ends.
-    fn ratio(&self, [a, b]: [u32; 2]) -> f64 {
-        self.length([a, b]) / self.size[a as usize].min(self.size[b as usize])
+    fn length_ratio(&self, [a, b]: [u32; 2]) -> f64 {
+        self.edge_length([a, b]) / self.size[a as usize].min(self.size[b as usize])
     }
 
-    fn slack(&self, nodes: &[u32]) -> f64 {
+    fn least_slack(&self, nodes: &[u32]) -> f64 {
         nodes.iter().map(|n| self.slack[*n as usize]).fold(f64::INFINITY, f64::min)
     }
 
     /// The nodes joined to one by edges, sorted.
-    fn neighbours(&self, node: u32) -> Vec<u32> {
+    fn neighbours_of(&self, node: u32) -> Vec<u32> {
         let star = &self.around[node as usize];
         let mut neighbours: Vec<u32> =
             star.iter().flat_map(|f| self.faces[*f as usize]).filter(|n| *n != node).collect();
@@ -171,17 +178,17 @@ impl<'a> Remesh<'a> {
     }
 
     /// The faces at an edge.
-    fn wings(&self, [a, b]: [u32; 2]) -> Vec<u32> {
+    fn edge_faces(&self, [a, b]: [u32; 2]) -> Vec<u32> {
         self.around[a as usize].iter().copied().filter(|f| self.faces[*f as usize].contains(&b)).collect()
     }
 
     /// Every edge once, sorted.
-    fn edges(&self) -> Vec<[u32; 2]> {
+    fn all_edges(&self) -> Vec<[u32; 2]> {
         let pairs = |f: u32| {
             let [a, b, c] = self.faces[f as usize];
-            [[a, b], [b, c], [c, a]].map(sorted)
+            [[a, b], [b, c], [c, a]].map(sorted_edge)
         };
-        let mut edges: Vec<_> = self.alive().flat_map(pairs).collect();
+        let mut edges: Vec<_> = self.living_faces().flat_map(pairs).collect();
         edges.sort_unstable();
         edges.dedup();
         edges
@@ -189,12 +196,12 @@ impl<'a> Remesh<'a> {
 
     /// Whether an edge is to keep its line.
     fn is_feature(&self, edge: [u32; 2]) -> bool {
-        let wings = self.wings(edge);
+        let wings = self.edge_faces(edge);
         let &[f, g] = wings.as_slice() else { return true };
         if self.runs_forwards(f, edge) == self.runs_forwards(g, edge) {
             return true;
         }
-        let corners = [self.corners(f), self.corners(g)];
+        let corners = [self.face_corners(f), self.face_corners(g)];
         if corners.iter().any(|c| flatness(*c) < FLAT) {
             return false;
         }
@@ -207,12 +214,12 @@ impl<'a> Remesh<'a> {
         (0..3).any(|k| nodes[k] == a && nodes[(k + 1) % 3] == b)
     }
 
-    fn kind(&self, node: u32) -> Kind {
-        let features: Vec<u32> = self.neighbours(node).into_iter().filter(|n| self.is_feature([node, *n])).collect();
+    fn node_kind(&self, node: u32) -> Kind {
+        let features: Vec<u32> = self.neighbours_of(node).into_iter().filter(|n| self.is_feature([node, *n])).collect();
         match features.as_slice() {
             [] => Kind::Smooth,
             &[p, q] => {
-                let [p_, q_, at] = self.places([p, q, node]);
+                let [p_, q_, at] = self.positions_of([p, q, node]);
                 let straight = dot(unit(sub(at, p_)), unit(sub(q_, at))) > STRAIGHT;
                 if straight { Kind::Crease(features) } else { Kind::Corner }
             }
@@ -220,7 +227,7 @@ impl<'a> Remesh<'a> {
         }
     }
 
-    fn remove(&mut self, face: u32) -> Vec<u32> {
+    fn remove_face(&mut self, face: u32) -> Vec<u32> {
         for node in self.faces[face as usize] {
             self.around[node as usize].retain(|f| *f != face);
         }
@@ -228,7 +235,7 @@ impl<'a> Remesh<'a> {
         std::mem::take(&mut self.marks[face as usize])
     }
 
-    fn add(&mut self, nodes: [u32; 3], marks: Vec<u32>) {
+    fn add_face(&mut self, nodes: [u32; 3], marks: Vec<u32>) {
         let face = self.faces.len() as u32;
         self.faces.push(nodes);
         self.marks.push(marks);
@@ -236,35 +243,35 @@ impl<'a> Remesh<'a> {
     }
 
     /// Replaces faces where all points stay near.
-    fn replace(&mut self, old: &[u32], new: &[[u32; 3]], reach: f64) -> bool {
-        let places: Vec<[Point3; 3]> = new.iter().map(|n| self.places(*n)).collect();
-        let Some(marks) = self.assigned(old, &places, reach) else { return false };
-        old.iter().for_each(|f| drop(self.remove(*f)));
-        new.iter().zip(marks).for_each(|(nodes, marks)| self.add(*nodes, marks));
+    fn replace_faces(&mut self, old: &[u32], new: &[[u32; 3]], reach: f64) -> bool {
+        let places: Vec<[Point3; 3]> = new.iter().map(|n| self.positions_of(*n)).collect();
+        let Some(marks) = self.assign_marks(old, &places, reach) else { return false };
+        old.iter().for_each(|f| drop(self.remove_face(*f)));
+        new.iter().zip(marks).for_each(|(nodes, marks)| self.add_face(*nodes, marks));
         true
     }
 
     /// Splits edges that are too long, the longest first.
     fn split_edges(&mut self) {
-        let mut long: Vec<(f64, [u32; 2])> = self.edges().into_iter().map(|e| (self.ratio(e), e)).collect();
+        let mut long: Vec<(f64, [u32; 2])> = self.all_edges().into_iter().map(|e| (self.length_ratio(e), e)).collect();
         long.retain(|(ratio, _)| *ratio > LONG);
         long.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut next: BTreeMap<usize, Vec<[u32; 2]>> = BTreeMap::from([(0, long.into_iter().map(|l| l.1).collect())]);
         // halves of a very long edge are still too long
         while let Some((depth, edges)) = next.pop_first() {
             for edge in edges {
-                if self.ratio(edge) <= LONG {
+                if self.length_ratio(edge) <= LONG {
                     continue;
                 }
-                let Some(node) = self.split(edge) else { continue };
-                let incident_edges = self.neighbours(node).into_iter().map(|n| sorted([n, node]));
+                let Some(node) = self.split_edge(edge) else { continue };
+                let incident_edges = self.neighbours_of(node).into_iter().map(|n| sorted_edge([n, node]));
                 next.entry(depth + 1).or_default().extend(incident_edges);
             }
         }
     }
 
-    fn split(&mut self, [a, b]: [u32; 2]) -> Option<u32> {
-        let wings = self.wings([a, b]);
+    fn split_edge(&mut self, [a, b]: [u32; 2]) -> Option<u32> {
+        let wings = self.edge_faces([a, b]);
         if wings.is_empty() {
             return None;
         }
@@ -277,10 +284,10 @@ impl<'a> Remesh<'a> {
         self.slack.push(self.slack[a as usize].min(self.slack[b as usize]));
         let instead = |f: u32, old: u32| self.faces[f as usize].map(|n| if n == old { node } else { n });
         let halves: Vec<[u32; 3]> = wings.iter().flat_map(|f| [instead(*f, a), instead(*f, b)]).collect();
-        self.replace(&wings, &halves, f64::INFINITY).then_some(node)
+        self.replace_faces(&wings, &halves, f64::INFINITY).then_some(node)
     }
 
-    fn middle(&self, face: u32) -> Point3 {
-        centroid(self.corners(face))
+    fn face_centroid(&self, face: u32) -> Point3 {
+        centroid(self.face_corners(face))
     }
 }

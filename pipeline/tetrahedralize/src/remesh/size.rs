@@ -33,10 +33,10 @@ pub(crate) struct Sizing<'a> {
 
 impl Remesh<'_> {
     /// Sets target lengths and slacks anew.
-    pub(super) fn grade(&mut self, sizing: &Sizing, round: usize) {
+    pub(super) fn grade_sizes(&mut self, sizing: &Sizing, round: usize) {
         for node in 0..self.points.len() {
             if !self.around[node].is_empty() {
-                let [inside, outside] = self.widths(node as u32, sizing);
+                let [inside, outside] = self.node_widths(node as u32, sizing);
                 // strips that the envelope keeps narrow get triangles of their width; slivers across plane faces are gone by then
                 let narrow = if round >= 2 {
                     (STRIP * self.mean_height(node as u32)).max(NARROW * sizing.edge)
@@ -49,10 +49,10 @@ impl Remesh<'_> {
             }
         }
         // sizes grow along edges; a few sweeps over sorted edges spread them far enough, as each sweep goes both ways
-        let edges = self.edges();
+        let edges = self.all_edges();
         for _ in 0..4 {
             for [a, b] in edges.iter().copied().chain(edges.iter().rev().copied()) {
-                let grown = sizing.gradation * self.length([a, b]);
+                let grown = sizing.gradation * self.edge_length([a, b]);
                 let [p, q] = [a, b].map(|n| self.size[n as usize]);
                 self.size[a as usize] = p.min(q + grown);
                 self.size[b as usize] = q.min(p + grown);
@@ -63,16 +63,16 @@ impl Remesh<'_> {
     /// The mean least height of the faces around a node.
     fn mean_height(&self, node: u32) -> f64 {
         let star = &self.around[node as usize];
-        star.iter().map(|face| least_height(self.corners(*face))).sum::<f64>() / star.len() as f64
+        star.iter().map(|face| least_height(self.face_corners(*face))).sum::<f64>() / star.len() as f64
     }
 
     /// Thickness of the wall below a node, and of the gap above it.
-    fn widths(&self, node: u32, sizing: &Sizing) -> [f64; 2] {
+    fn node_widths(&self, node: u32, sizing: &Sizing) -> [f64; 2] {
         let position = self.points[node as usize];
         let mut widths = [f64::INFINITY; 2];
         for face in &self.around[node as usize] {
             let reach = [0.05 * sizing.slack, sizing.edge];
-            let measured = sizing.walls.widths(self.corners(*face), position, reach);
+            let measured = sizing.walls.wall_and_gap(self.face_corners(*face), position, reach);
             widths = [0, 1].map(|k| f64::min(widths[k], measured[k]));
         }
         widths
