@@ -59,11 +59,11 @@ impl Record for Calibration {
         study.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench).count() >= FEWEST
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("calibration.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         files.read_scalars("calibration.json")
     }
 
@@ -103,7 +103,7 @@ mod tests {
             sigma: 0.1,
         };
         let calibration = Calibration { specimens: 20, kinds: vec![kind("a", &[0.5, -1.5]), kind("b", &[0.1, -3.0])] };
-        assert_eq!(Calibration::unpack(&calibration.pack().unwrap()).unwrap(), calibration);
+        assert_eq!(Calibration::from_files(&calibration.to_files().unwrap()).unwrap(), calibration);
         let value = |id: &str| calibration.metrics("all").into_iter().find(|m| m.id == id).map(|m| m.value);
         assert_eq!(value("calibration.coverage_68_percent"), Some(50.0));
         assert_eq!(value("calibration.coverage_95_percent"), Some(75.0));

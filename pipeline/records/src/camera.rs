@@ -75,7 +75,7 @@ impl Record for Camera {
         !specimen.trials().iter().all(|trial| trial.in_space().is_some())
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let lens = self.lens;
         RecordFiles::default().scalars(
             "camera.json",
@@ -96,7 +96,7 @@ impl Record for Camera {
         )
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("camera.json")?;
         let mut kinds = [Distortion::BrownConrady, Distortion::Fisheye].into_iter();
         let bend = kinds

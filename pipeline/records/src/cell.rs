@@ -82,7 +82,7 @@ impl Record for LoadCell {
         specimen.card.fixture.iter().any(|f| matches!(f.of, lab::card::FixtureOf::Taps { .. }))
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let column = |part: fn(&FrequencyResponse) -> f64| self.response.iter().map(part).collect::<Vec<f64>>();
         let response = Columns::default()
             .numbers("frequency_hz", column(|r| r.frequency))
@@ -109,7 +109,7 @@ impl Record for LoadCell {
             .scalars("load_cell.json", &scalars)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("load_cell.json")?;
         let (table, example) = (files.read_table("response.parquet")?, files.read_table("example.parquet")?);
         let [f, re, im, coherence] = ["frequency_hz", "real", "imaginary", "coherence"].map(|name| table.f64(name));

@@ -58,7 +58,7 @@ impl Record for CorrectedForce {
         trial.has_force_in_water()
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let columns = Columns::default()
             .numbers("time_s", self.time.clone())
             .numbers("raw_n", self.raw.clone())
@@ -71,7 +71,7 @@ impl Record for CorrectedForce {
             .scalars("force.json", &Scalars { offset_s, commanded_s, lag_s, sampling, warnings })
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let (s, columns): (Scalars, _) = (files.read_scalars("force.json")?, files.read_table("force.parquet")?);
         Ok(Self {
             time: columns.f64("time_s")?,

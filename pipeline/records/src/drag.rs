@@ -51,7 +51,7 @@ impl Record for Drag {
         specimen.trials().iter().any(crate::subject::Trial::is_staircase_in_water)
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let scalars = Scalars {
             added: self.by.added,
             drag: self.by.drag,
@@ -67,7 +67,7 @@ impl Record for Drag {
         RecordFiles::default().scalars("drag.json", &scalars)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("drag.json")?;
         Ok(Self {
             by: Coefficients { added: s.added, drag: s.drag },
@@ -122,6 +122,6 @@ mod tests {
             density: 998.0,
             sections: 30,
         };
-        assert_eq!(Drag::unpack(&drag.pack().unwrap()).unwrap(), drag);
+        assert_eq!(Drag::from_files(&drag.to_files().unwrap()).unwrap(), drag);
     }
 }

@@ -46,7 +46,7 @@ pub struct FrameData {
 
 impl FrameData {
     /// Walls of the silhouette in the frame under pressure.
-    pub fn shown(&self) -> Option<Walls> {
+    pub fn shown_walls(&self) -> Option<Walls> {
         let pressure = self.pressures_pa.iter().copied().fold(0.0, f64::max);
         self.walls.iter().find(|(level, _)| *level == pressure).map(|(_, walls)| *walls)
     }
@@ -67,7 +67,7 @@ impl Record for ExampleFrames {
             && trial.card.highest_staircase_in_air().is_some_and(|highest| highest.id == trial.trial.id)
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let png = |name: &str, picture: &Gray| {
             picture.to_png().map_err(|e| RecordError::Scalars { file: name.into(), cause: e.to_string() })
         };
@@ -77,7 +77,7 @@ impl Record for ExampleFrames {
             .scalars("frames.json", &self.seen)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let picture = |name: &str| {
             Gray::from_png(files.bytes(name)?)
                 .map_err(|e| RecordError::Scalars { file: name.into(), cause: e.to_string() })
@@ -90,7 +90,7 @@ impl Record for ExampleFrames {
             Metric::new(format!("example_frames.{}.{name}", super::subject_id(subject)), value, unit)
         };
         let mm = |name, length| metric(name, length / si::MILLIMETRE, "mm");
-        let walls = self.seen.shown().into_iter();
+        let walls = self.seen.shown_walls().into_iter();
         let mut metrics: Vec<Metric> =
             walls.flat_map(|w| [mm("dent_mm", w.dent_m), mm("bulge_mm", w.bulge_m)]).collect();
         if let Some(interval) = self.seen.buckling_pressures() {
@@ -129,6 +129,6 @@ mod tests {
             walls: vec![(24.1e3, Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 })],
         };
         let example = ExampleFrames { rest: picture(3), held: picture(7), seen: data };
-        assert_eq!(ExampleFrames::unpack(&example.pack().unwrap()).unwrap(), example);
+        assert_eq!(ExampleFrames::from_files(&example.to_files().unwrap()).unwrap(), example);
     }
 }

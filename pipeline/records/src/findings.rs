@@ -28,11 +28,11 @@ impl Record for Findings {
     type Of = Study;
     const STAGE: &'static str = "findings";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("findings.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         files.read_scalars("findings.json")
     }
 
@@ -53,7 +53,7 @@ mod tests {
     fn findings_survive_their_record_and_are_metrics() {
         let finding = Finding { name: "a.minima".into(), value: 1.0, unit: String::new() };
         let findings = Findings { found: vec![finding] };
-        assert_eq!(Findings::unpack(&findings.pack().unwrap()).unwrap(), findings);
+        assert_eq!(Findings::from_files(&findings.to_files().unwrap()).unwrap(), findings);
         assert_eq!(findings.metrics("all"), [Metric::new("findings.a.minima", 1.0, "")]);
     }
 }

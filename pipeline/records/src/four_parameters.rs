@@ -65,11 +65,11 @@ impl Record for FourParameters {
         specimen.has_sheet()
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("four_parameters.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         files.read_scalars("four_parameters.json")
     }
 
@@ -103,7 +103,7 @@ mod tests {
         let plausible = [[1e5, 3e5], [1e9, 6e9], [0.45, 0.495], [0.3, 0.45]];
         let uncertainty = Uncertainty { sigma: vec![0.1; 4], ..Uncertainty::default() };
         let parameters = FourParameters { best, loss: 1e-3, iterates: vec![(best, 1e-3)], plausible, uncertainty };
-        assert_eq!(FourParameters::unpack(&parameters.pack().unwrap()).unwrap(), parameters);
+        assert_eq!(FourParameters::from_files(&parameters.to_files().unwrap()).unwrap(), parameters);
         let [body, _, nu, _] = parameters.intervals();
         // a tenth in the logarithm: E by a fifth either way, ½ − ν likewise
         assert!((body[1] / 0.2 - (0.196f64).exp()).abs() < 1e-3 && body[0] < 0.2, "{body:?}");

@@ -72,7 +72,7 @@ impl Record for Identified {
     type Of = Specimen;
     const STAGE: &'static str = "identify";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let axis = |k: usize| self.inflated.iter().map(|u| u[k]).collect();
         let inflated = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
         RecordFiles::default()
@@ -81,7 +81,7 @@ impl Record for Identified {
             .table("inflated.parquet", &inflated)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let inflated = files.read_table("inflated.parquet")?;
         let (x, y, z) = (inflated.f64("x_m")?, inflated.f64("y_m")?, inflated.f64("z_m")?);
         Ok(Self {
@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn an_identification_survives_its_record() {
         let record = identified();
-        assert_eq!(Identified::unpack(&record.pack().unwrap()).unwrap(), record);
+        assert_eq!(Identified::from_files(&record.to_files().unwrap()).unwrap(), record);
     }
 
     #[test]

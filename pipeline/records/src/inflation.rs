@@ -82,7 +82,7 @@ impl Record for Inflation {
         specimen.highest_staircase().is_some()
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let columns = self.shapes.iter().enumerate().fold(
             Columns::default().counts("node", self.nodes.clone()),
             |columns, (i, shape)| {
@@ -104,7 +104,7 @@ impl Record for Inflation {
         RecordFiles::default().table("shapes.parquet", &columns)?.scalars("inflation.json", &scalars)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("inflation.json")?;
         let columns = files.read_table("shapes.parquet")?;
         let displacements = |i: usize| -> Result<Vec<Point3>, RecordError> {
@@ -184,6 +184,6 @@ mod tests {
         };
         let (shapes, film) = (vec![shape(1e4), shape(2e4)], Some(walls));
         let inflation = Inflation { nodes: vec![3, 8], shapes, filmed: Some(1), asked_pa: 3e4, film };
-        assert_eq!(Inflation::unpack(&inflation.pack().unwrap()).unwrap(), inflation);
+        assert_eq!(Inflation::from_files(&inflation.to_files().unwrap()).unwrap(), inflation);
     }
 }

@@ -70,9 +70,9 @@ impl Record for Markers {
     type Of = Trial;
     const STAGE: &'static str = "markers";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let columns = Columns::default().numbers("time_s", self.time.clone());
-        let mut columns = paths::pack(columns, &self.markers, "m");
+        let mut columns = paths::pack_paths(columns, &self.markers, "m");
         for (path, parts) in self.markers.iter().zip(&self.parts) {
             columns = paths::pack_spread(columns, &format!("{}_noise", path.name), &parts.noise, "m");
             columns = paths::pack_spread(columns, &format!("{}_shared", path.name), &parts.shared, "m");
@@ -83,13 +83,13 @@ impl Record for Markers {
             .scalars("markers.json", &Scalars { markers, left_out: self.left_out.clone(), stand: self.stand.clone() })
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let Scalars { markers, left_out, stand } = files.read_scalars("markers.json")?;
         let columns = files.read_table("markers.parquet")?;
         let part = |name: &String, word: &str| paths::unpack_spread(&columns, &format!("{name}_{word}"), "m");
         let parts = |name: &String| Ok(CovarianceParts { noise: part(name, "noise")?, shared: part(name, "shared")? });
         let parts = markers.iter().map(parts).collect::<Result<_, RecordError>>()?;
-        let paths = paths::unpack(&columns, &markers, "m")?;
+        let paths = paths::unpack_paths(&columns, &markers, "m")?;
         Ok(Self { time: columns.f64("time_s")?, markers: paths, parts, left_out, stand })
     }
 

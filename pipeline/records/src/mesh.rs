@@ -86,7 +86,7 @@ impl Record for Mesh {
     type Of = Specimen;
     const STAGE: &'static str = "mesh";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let solid = &self.solid;
         let axis = |k: usize| solid.nodes.iter().map(|n| n[k]).collect();
         let nodes = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
@@ -106,7 +106,7 @@ impl Record for Mesh {
             .map(|files| files.file("mesh.vtu", mesh::vtu::write(solid).into_bytes()))
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("mesh.json")?;
         let nodes = files.read_table("nodes.parquet")?;
         let hexahedra = files.contents().any(|(name, _)| name == HEXAHEDRA);
@@ -198,7 +198,7 @@ mod tests {
         let chambers = vec![Cavity { name: "left".into(), skin: 3, volume_m3: 1e-6 }];
         let mesh =
             Mesh { solid, chambers, markers: vec![Spot { weights: vec![(2, 1.0)] }], clamped: vec![0, 2], quality };
-        assert_eq!(Mesh::unpack(&mesh.pack().unwrap()).unwrap(), mesh);
+        assert_eq!(Mesh::from_files(&mesh.to_files().unwrap()).unwrap(), mesh);
         let mut damaged = [mesh.clone(), mesh.clone(), mesh.clone(), mesh.clone()];
         damaged[0].solid.elements =
             QuadraticElements::Tetrahedra(vec![std::array::from_fn(|i| if i == 3 { 10 } else { i as u32 })]);
@@ -206,7 +206,7 @@ mod tests {
         damaged[2].solid.nodes[4][1] = f64::NAN;
         damaged[3].clamped.push(10);
         for mesh in damaged {
-            let error = Mesh::unpack(&mesh.pack().unwrap()).unwrap_err().to_string();
+            let error = Mesh::from_files(&mesh.to_files().unwrap()).unwrap_err().to_string();
             assert!(error.contains("mesh.json") && error.contains("node"), "{error}");
         }
     }

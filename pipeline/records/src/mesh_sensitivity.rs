@@ -41,11 +41,11 @@ impl Record for MeshSensitivity {
         specimen.has_sheet()
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("mesh_sensitivity.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let record: Self = files.read_scalars("mesh_sensitivity.json")?;
         match record.rows.iter().find(|row| row.at.len() != SOLIDS) {
             Some(row) => {
@@ -85,10 +85,10 @@ mod tests {
         let moduli = vec![2e5, 3e9];
         let sensitivity =
             MeshSensitivity { rows: vec![MeshResult { edge: 5e-3, nodes: 4, dofs: 99, at: moduli, loss: 0.1 }] };
-        assert_eq!(MeshSensitivity::unpack(&sensitivity.pack().unwrap()).unwrap(), sensitivity);
+        assert_eq!(MeshSensitivity::from_files(&sensitivity.to_files().unwrap()).unwrap(), sensitivity);
         let mut fewer = sensitivity;
         fewer.rows[0].at.pop();
-        let error = MeshSensitivity::unpack(&fewer.pack().unwrap()).unwrap_err().to_string();
+        let error = MeshSensitivity::from_files(&fewer.to_files().unwrap()).unwrap_err().to_string();
         assert!(error.contains("mesh_sensitivity.json") && error.contains("1 moduli of 2"), "{error}");
     }
 }

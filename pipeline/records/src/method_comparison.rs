@@ -108,7 +108,7 @@ impl Record for MethodComparison {
     type Of = Specimen;
     const STAGE: &'static str = "method_comparison";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let durations = Durations { searches: self.searches.clone(), whole_seconds: self.whole_seconds };
         RecordFiles::default()
             .scalars("method_comparison.json", self)?
@@ -117,7 +117,7 @@ impl Record for MethodComparison {
             .table("landscape.parquet", &surface_columns(&self.surface))
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let recorded: Self = files.read_scalars("method_comparison.json")?;
         let Durations { searches, whole_seconds } = files.read_scalars("durations.json")?;
         Ok(Self {
@@ -134,7 +134,7 @@ impl Record for MethodComparison {
         }
         // named after what the methods do: they identify
         let id = |quantity: &str| format!("identify.{subject}.{quantity}");
-        let mut metrics: Vec<Metric> = self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))).collect();
+        let mut metrics: Vec<Metric> = self.searches.iter().flat_map(|s| s.search_metrics(&id(&s.method))).collect();
         metrics.push(Metric::new(id("compared_certificate_sigma"), self.certificate.sigma, ""));
         metrics.push(Metric::new(id("compared_certificate_rounds"), self.certificate.rounds as f64, ""));
         metrics.push(Metric::new(id("compared_whole_seconds"), self.whole_seconds, "s"));
@@ -154,7 +154,7 @@ impl Record for MethodComparison {
 }
 
 impl Search {
-    fn metrics(&self, id: &str) -> Vec<Metric> {
+    fn search_metrics(&self, id: &str) -> Vec<Metric> {
         let iterations = self.iterations() as f64;
         vec![
             Metric::new(format!("{id}.loss"), self.loss(), ""),
@@ -240,7 +240,7 @@ mod tests {
             gradient_difference: Some(1e-7),
         };
         for record in [comparison, MethodComparison::default()] {
-            assert_eq!(MethodComparison::unpack(&record.pack().unwrap()).unwrap(), record);
+            assert_eq!(MethodComparison::from_files(&record.to_files().unwrap()).unwrap(), record);
         }
     }
 }

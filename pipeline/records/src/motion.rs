@@ -88,7 +88,7 @@ impl Record for Motion {
     type Of = Trial;
     const STAGE: &'static str = "clock";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let motion = Columns::default().numbers("time_s", self.time.clone());
         let log = self.gauges.iter().fold(Columns::default().numbers("time_s", self.log_time.clone()), |log, gauge| {
             log.numbers(&format!("{}_command_pa", gauge.chamber), gauge.command.clone())
@@ -102,12 +102,12 @@ impl Record for Motion {
             sampling: self.sampling.clone(),
         };
         RecordFiles::default()
-            .table("motion.parquet", &paths::pack(motion, &self.markers, "m"))?
+            .table("motion.parquet", &paths::pack_paths(motion, &self.markers, "m"))?
             .table("pressure.parquet", &log)?
             .scalars("motion.json", &scalars)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("motion.json")?;
         let (motion, log) = (files.read_table("motion.parquet")?, files.read_table("pressure.parquet")?);
         let gauge = |chamber: &String| -> Result<Gauge, RecordError> {
@@ -116,7 +116,7 @@ impl Record for Motion {
         };
         Ok(Self {
             time: motion.f64("time_s")?,
-            markers: paths::unpack(&motion, &scalars.markers, "m")?,
+            markers: paths::unpack_paths(&motion, &scalars.markers, "m")?,
             rest: scalars.rest_m,
             gauges: scalars.chambers.iter().map(gauge).collect::<Result<_, _>>()?,
             log_time: log.f64("time_s")?,

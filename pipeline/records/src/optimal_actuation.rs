@@ -37,11 +37,11 @@ impl Record for OptimalActuation {
         Thrust::is_made_for(specimen)
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("optimal_actuation.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         files.read_scalars("optimal_actuation.json")
     }
 
@@ -111,7 +111,7 @@ mod tests {
             waveforms: None,
             coordinates: 20,
         };
-        assert_eq!(OptimalActuation::unpack(&optimum.pack().unwrap()).unwrap(), optimum);
+        assert_eq!(OptimalActuation::from_files(&optimum.to_files().unwrap()).unwrap(), optimum);
         assert!((optimum.check.amplitude_error_percent() - 10.0).abs() < 1e-9);
     }
 }

@@ -75,7 +75,7 @@ pub struct WallErrors {
 }
 
 impl WallErrors {
-    fn metrics(&self, specimen: &str) -> [Metric; 4] {
+    fn wall_metrics(&self, specimen: &str) -> [Metric; 4] {
         let id = |quantity: &str| format!("recovery.{specimen}.{quantity}");
         [
             Metric::new(id("dent_error_percent"), 100.0 * self.dent.abs(), "%"),
@@ -94,11 +94,11 @@ impl Record for Recovered {
     type Of = Study;
     const STAGE: &'static str = "recovery";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("recovered.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         files.read_scalars("recovered.json")
     }
 
@@ -122,7 +122,7 @@ impl Record for Recovered {
             let id = |e: &Estimate| format!("recovery.{}.{}_error_percent", specimen.name, e.quantity.id());
             metrics
                 .extend(specimen.estimates.iter().map(|e| Metric::new(id(e), 100.0 * e.relative_error().abs(), "%")));
-            metrics.extend(specimen.walls.iter().flat_map(|walls| walls.metrics(&specimen.name)));
+            metrics.extend(specimen.walls.iter().flat_map(|walls| walls.wall_metrics(&specimen.name)));
         }
         metrics
     }
@@ -151,7 +151,7 @@ mod tests {
             bulge: 0.1,
             rotation: -0.1,
         };
-        let metrics = walls.metrics("nemo").map(|m| (m.id.rsplit('.').next().unwrap().to_owned(), m.value));
+        let metrics = walls.wall_metrics("nemo").map(|m| (m.id.rsplit('.').next().unwrap().to_owned(), m.value));
         let expected = [
             ("dent_error_percent", 20.0),
             ("dent_place_error_mm", 3.0),

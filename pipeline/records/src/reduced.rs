@@ -40,7 +40,7 @@ impl Record for Reduced {
     type Of = Specimen;
     const STAGE: &'static str = "reduce";
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let ReducedModelData { modes, points, size } = &self.data;
         let scalars = Scalars {
             coordinates: modes.len(),
@@ -64,7 +64,7 @@ impl Record for Reduced {
             .scalars("reduced.json", &scalars)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("reduced.json")?;
         let modes = files.read_table("modes.parquet")?;
         if scalars.regions > usize::from(u16::MAX) || modes.f64(&format!("q{}_m", scalars.coordinates)).is_ok() {
@@ -119,7 +119,7 @@ mod tests {
         let data = ReducedModelData { modes: vec![vec![0.1, -0.2, 0.3], vec![0.0, 1e-9, 7.0]], points, size: 2.5 };
         for contact in [None, Some(1.5e4)] {
             let reduced = Reduced { data: data.clone(), highest: 2e4, contact };
-            assert_eq!(Reduced::unpack(&reduced.pack().unwrap()).unwrap(), reduced);
+            assert_eq!(Reduced::from_files(&reduced.to_files().unwrap()).unwrap(), reduced);
         }
     }
 
@@ -131,20 +131,20 @@ mod tests {
         let refused = |damage: &dyn Fn(&mut Reduced), words: &str| {
             let mut damaged = reduced.clone();
             damage(&mut damaged);
-            let error = Reduced::unpack(&damaged.pack().unwrap()).unwrap_err().to_string();
+            let error = Reduced::from_files(&damaged.to_files().unwrap()).unwrap_err().to_string();
             assert!(error.contains("points.parquet") && error.contains(words), "{error}");
         };
         refused(&|r| r.data.modes[1][2] = f64::NAN, "mode 1");
         refused(&|r| r.data.modes.iter_mut().for_each(|mode| mode.truncate(2)), "3 numbers per node");
         refused(&|r| r.data.points[0][1].1 = -1e-9, "weight of a point");
         refused(&|r| r.data.size = 0.0, "must be above 0");
-        let text = String::from_utf8(reduced.pack().unwrap().bytes("reduced.json").unwrap().to_vec()).unwrap();
+        let text = String::from_utf8(reduced.to_files().unwrap().bytes("reduced.json").unwrap().to_vec()).unwrap();
         for (original, replacement) in
             [("\"coordinates\": 2", "\"coordinates\": 1"), ("\"regions\": 1", "\"regions\": 18446744073709551615")]
         {
             let damaged =
-                reduced.pack().unwrap().file("reduced.json", text.replace(original, replacement).into_bytes());
-            assert!(Reduced::unpack(&damaged).unwrap_err().to_string().contains("reduced.json"), "{replacement}");
+                reduced.to_files().unwrap().file("reduced.json", text.replace(original, replacement).into_bytes());
+            assert!(Reduced::from_files(&damaged).unwrap_err().to_string().contains("reduced.json"), "{replacement}");
         }
     }
 }

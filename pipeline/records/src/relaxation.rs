@@ -45,11 +45,11 @@ impl Record for Relaxation {
     type Of = Specimen;
     const STAGE: &'static str = "relaxation";
 
-    fn pack(&self) -> std::result::Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> std::result::Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("relaxation.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> std::result::Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> std::result::Result<Self, RecordError> {
         let relaxation: Self = files.read_scalars("relaxation.json")?;
         let fault = relaxation.spectrum.fault().map(|cause| super::inconsistent_file("relaxation.json", cause));
         fault.map_or(Ok(relaxation), Err)
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_relaxation_survives_its_record() {
-        assert_eq!(Relaxation::unpack(&relaxation().pack().unwrap()).unwrap(), relaxation());
+        assert_eq!(Relaxation::from_files(&relaxation().to_files().unwrap()).unwrap(), relaxation());
     }
 
     #[test]
@@ -125,7 +125,7 @@ mod tests {
         fewer.spectrum.correlation.pop();
         response.spectrum.modulus_response[0].push(0.1);
         for (damaged, words) in [(fewer, "2 branches have 3 correlations"), (response, "3 responses of 2 branches")] {
-            let error = Relaxation::unpack(&damaged.pack().unwrap()).unwrap_err().to_string();
+            let error = Relaxation::from_files(&damaged.to_files().unwrap()).unwrap_err().to_string();
             assert!(error.contains("relaxation.json") && error.contains(words), "{error}");
         }
     }

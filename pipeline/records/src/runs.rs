@@ -24,7 +24,7 @@ pub(super) struct Head {
 
 impl Head {
     /// Of a run.
-    pub fn of(run: &Run) -> Self {
+    pub fn of_run(run: &Run) -> Self {
         Self {
             id: run.id.clone(),
             amplitude_pa: run.amplitude,
@@ -37,7 +37,7 @@ impl Head {
         }
     }
 
-    fn split(&self) -> Option<Split> {
+    fn split_of_head(&self) -> Option<Split> {
         [Split::Train, Split::Test].into_iter().find(|split| self.split.as_deref() == Some(split.word()))
     }
 }
@@ -54,8 +54,8 @@ const COLUMNS: [Column; 5] = [
 ];
 
 /// Runs of one specimen, stacked.
-pub(super) fn table(runs: &[Run]) -> Columns {
-    let heads: Vec<Head> = runs.iter().map(Head::of).collect();
+pub(super) fn runs_table(runs: &[Run]) -> Columns {
+    let heads: Vec<Head> = runs.iter().map(Head::of_run).collect();
     let (markers, chambers) = heads.first().map_or((0, 0), |h| (h.markers, h.chambers));
     let each = |value: &dyn Fn(&Run, usize) -> f64| -> Vec<f64> {
         runs.iter().flat_map(|run| (0..run.len()).map(|i| value(run, i)).collect::<Vec<_>>()).collect()
@@ -79,7 +79,7 @@ pub(super) fn table(runs: &[Run]) -> Columns {
 ///
 /// # Errors
 /// [`RecordError`] when a column is absent or its length differs from that of the heads.
-pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordError> {
+pub(super) fn read_runs(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordError> {
     let rows = heads.iter().try_fold(0_usize, |sum, head| sum.checked_add(head.samples));
     let rows =
         rows.ok_or_else(|| super::inconsistent_file("thrust.json", "its runs have more samples than there can be"))?;
@@ -121,7 +121,7 @@ pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordEr
             id: head.id.clone(),
             amplitude: head.amplitude_pa,
             frequency: head.frequency_hz,
-            split: head.split(),
+            split: head.split_of_head(),
             rate: head.rate_hz,
             time: time[rows.clone()].to_vec(),
             force: force[rows.clone()].to_vec(),
@@ -145,15 +145,15 @@ mod tests {
         let mut runs = vec![run(1.0, 2e4, 1), run(2.0, 1e4, 2)];
         (runs[0].split, runs[1].split) = (Some(Split::Train), Some(Split::Test));
         runs[1].pressure_rate.iter_mut().enumerate().for_each(|(i, p)| p[1] = i as f64 / 7.0);
-        let heads: Vec<Head> = runs.iter().map(Head::of).collect();
-        let bytes = table(&runs).to_parquet().unwrap();
-        assert_eq!(read(&heads, &Columns::from_parquet(&bytes).unwrap()).unwrap(), runs);
+        let heads: Vec<Head> = runs.iter().map(Head::of_run).collect();
+        let bytes = runs_table(&runs).to_parquet().unwrap();
+        assert_eq!(read_runs(&heads, &Columns::from_parquet(&bytes).unwrap()).unwrap(), runs);
     }
 
     #[test]
     fn a_table_shorter_than_its_heads_is_refused() {
         let runs = [run(1.0, 2e4, 1)];
-        let heads = [Head { samples: 401, ..Head::of(&runs[0]) }];
-        assert!(read(&heads, &table(&runs)).is_err());
+        let heads = [Head { samples: 401, ..Head::of_run(&runs[0]) }];
+        assert!(read_runs(&heads, &runs_table(&runs)).is_err());
     }
 }

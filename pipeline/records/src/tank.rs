@@ -105,7 +105,7 @@ impl Record for Tank {
         specimen.card.fixture.iter().any(is_still_water)
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let wave_scalars = |w: &Wave| WaveScalars {
             frequency_hz: [w.frequency, w.frequency_sigma],
             decay: [w.decay, w.decay_sigma],
@@ -125,7 +125,7 @@ impl Record for Tank {
         RecordFiles::default().scalars("tank.json", &scalars)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("tank.json")?;
         let wave = |w: WaveScalars| Wave {
             frequency: w.frequency_hz[0],

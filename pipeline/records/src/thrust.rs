@@ -130,20 +130,20 @@ impl Record for Thrust {
         has(lab::card::Split::Train) && has(lab::card::Split::Test)
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let scalars = Scalars {
             scores: self.scores.clone(),
             means: self.means.clone(),
             traces: self.traces.iter().map(|t| (t.run.clone(), t.training)).collect(),
             crosstalk: self.crosstalk.clone(),
             coefficients: self.coefficients.clone(),
-            runs: self.runs.iter().map(Head::of).collect(),
+            runs: self.runs.iter().map(Head::of_run).collect(),
             density_kg_m3: self.density,
             sections: self.sections,
         };
         let files =
             RecordFiles::default().scalars("thrust.json", &scalars)?.file("network.safetensors", self.network.clone());
-        let files = files.table("runs.parquet", &runs::table(&self.runs))?;
+        let files = files.table("runs.parquet", &runs::runs_table(&self.runs))?;
         self.traces.iter().enumerate().try_fold(files, |files, (i, trace)| {
             let columns = Columns::default()
                 .numbers("time_s", trace.time.clone())
@@ -155,7 +155,7 @@ impl Record for Thrust {
         })
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("thrust.json")?;
         let trace = |(i, (run, training)): (usize, (String, bool))| -> Result<Trace, RecordError> {
             let columns = files.read_table(&format!("trace{i}.parquet"))?;
@@ -176,7 +176,7 @@ impl Record for Thrust {
             crosstalk: s.crosstalk,
             coefficients: s.coefficients,
             network: files.bytes("network.safetensors")?.to_vec(),
-            runs: runs::read(&s.runs, &files.read_table("runs.parquet")?)?,
+            runs: runs::read_runs(&s.runs, &files.read_table("runs.parquet")?)?,
             density: s.density_kg_m3,
             sections: s.sections,
         })

@@ -34,22 +34,22 @@ impl Record for Tracks {
         trial.trial.video.is_some()
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let columns = Columns::default().numbers("time_s", self.time.clone()).numbers("led", self.led.clone());
         let markers = self.markers.iter().map(|m| m.name.clone()).collect();
         RecordFiles::default()
-            .table("tracks.parquet", &paths::pack(columns, &self.markers, "px"))?
+            .table("tracks.parquet", &paths::pack_paths(columns, &self.markers, "px"))?
             .scalars("tracks.json", &Scalars { markers, worst_residual: self.worst_residual })
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("tracks.json")?;
         let columns = files.read_table("tracks.parquet")?;
         Ok(Self {
             time: columns.f64("time_s")?,
             led: columns.f64("led")?,
             worst_residual: scalars.worst_residual,
-            markers: paths::unpack(&columns, &scalars.markers, "px")?,
+            markers: paths::unpack_paths(&columns, &scalars.markers, "px")?,
         })
     }
 

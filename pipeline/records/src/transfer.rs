@@ -49,7 +49,7 @@ impl Part<Specimen> for Layout {
 
 impl Layout {
     /// The names of the largest group with equal numbers of markers and chambers; of equal groups, the first.
-    pub fn alike(layouts: &[Layout]) -> Vec<String> {
+    pub fn alike_layouts(layouts: &[Layout]) -> Vec<String> {
         let same = |a: &Layout, b: &Layout| (a.markers, a.chambers) == (b.markers, b.chambers);
         let group_size = |s: &Layout| layouts.iter().filter(|o| same(o, s)).count();
         let largest = layouts.iter().rev().max_by_key(|s| group_size(s));
@@ -68,14 +68,14 @@ impl Record for Transfer {
     const STAGE: &'static str = "transfer";
 
     fn is_made_for(study: &Study) -> bool {
-        Layout::alike(&Layout::with_force(study)).len() > 1
+        Layout::alike_layouts(&Layout::with_force(study)).len() > 1
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("transfer.json", self)
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         files.read_scalars("transfer.json")
     }
 
@@ -127,7 +127,7 @@ mod tests {
     }
 
     fn alike(specimens: Vec<Specimen>) -> Vec<String> {
-        Layout::alike(&Layout::with_force(&Study { specimens }))
+        Layout::alike_layouts(&Layout::with_force(&Study { specimens }))
     }
 
     #[test]

@@ -129,7 +129,7 @@ impl Record for Validation {
         trial.is_for_validation() && trial.is_first_repeat() && (!trial.is_in_water() || wet())
     }
 
-    fn pack(&self) -> Result<RecordFiles, RecordError> {
+    fn to_files(&self) -> Result<RecordFiles, RecordError> {
         let columns = self.named_paths().iter().fold(
             Columns::default().numbers("time_s", self.time.clone()),
             |c, (who, path)| {
@@ -145,7 +145,7 @@ impl Record for Validation {
             .durations("durations.json", &Durations { real_time_factor: self.real_time_factor })
     }
 
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Self = files.read_scalars("validation.json")?;
         let columns = files.read_table("validation.parquet")?;
         let path = |who: &str| -> Result<Vec<Point2>, RecordError> {

@@ -49,7 +49,7 @@ fn bodies(runner: &Runner) -> Result<Vec<Body>> {
     for specimen in &runner.universe.specimens {
         let files = (store.files(&id::<Mesh>(specimen)), store.files(&id::<Inflation>(specimen)));
         let (Ok(mesh), Ok(inflation)) = files else { continue };
-        bodies.push(body(&specimen.card.name, &Mesh::unpack(&mesh)?, &Inflation::unpack(&inflation)?));
+        bodies.push(body(&specimen.card.name, &Mesh::from_files(&mesh)?, &Inflation::from_files(&inflation)?));
     }
     Ok(bodies)
 }

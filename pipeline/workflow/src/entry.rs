@@ -113,7 +113,7 @@ pub const fn stage<S: Stage>() -> Entry<UniverseOf<S>> {
             let subject = find_subject(subjects_of::<S>(universe), name)?;
             let needs = S::Needs::read(&subject, reader)?;
             let record = S::run(&S::Card::part_of(&subject), &settings.section(S::SECTION)?, needs, context)?;
-            let files = record.pack().map_err(pack_error)?;
+            let files = record.to_files().map_err(pack_error)?;
             Ok(Product { files, metrics: record.metrics(name), summary: record.summary() })
         },
     }

@@ -81,7 +81,7 @@ pub fn read_each<R: Record, P: Part<R::Of>>(subjects: &[R::Of], reader: &dyn Rec
 /// A [`Diagnostic`] when it is missing or unreadable.
 pub fn read_one<R: Record>(subject: &R::Of, reader: &dyn RecordReader) -> Result<R> {
     let id = id::<R>(subject);
-    R::unpack(&reader.files(&id)?).map_err(|e| {
+    R::from_files(&reader.files(&id)?).map_err(|e| {
         Diagnostic::new(format!("record `{id}` cannot be read"), &e, format!("study run {} --fresh", id.stage))
             .caused_by(e)
     })

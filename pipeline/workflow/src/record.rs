@@ -23,13 +23,13 @@ pub trait Record: Sized + Send + Sync {
     ///
     /// # Errors
     /// [`RecordError`] when a table cannot be written.
-    fn pack(&self) -> Result<RecordFiles, RecordError>;
+    fn to_files(&self) -> Result<RecordFiles, RecordError>;
 
     /// The record from its files.
     ///
     /// # Errors
-    /// [`RecordError`] when a file is absent or is not what [`Record::pack`] writes.
-    fn unpack(files: &RecordFiles) -> Result<Self, RecordError>;
+    /// [`RecordError`] when a file is absent or is not what [`Record::to_files`] writes.
+    fn from_files(files: &RecordFiles) -> Result<Self, RecordError>;
 
     /// Whether there is such a record of this subject at all (a validation exists of validation trials only).
     fn is_made_for(subject: &Self::Of) -> bool {

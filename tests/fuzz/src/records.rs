@@ -31,7 +31,7 @@ pub fn settings(text: &str) {
 
 /// A reduced model of these scalars.
 pub fn reduced(bytes: &[u8]) {
-    names_one_of(Reduced::unpack(&tables().clone().file("reduced.json", bytes.to_vec())), &[".json", ".parquet"]);
+    names_one_of(Reduced::from_files(&tables().clone().file("reduced.json", bytes.to_vec())), &[".json", ".parquet"]);
 }
 
 /// A record of scalars alone: its name in the first line, then the scalars.
@@ -53,7 +53,7 @@ pub fn scalars(bytes: &[u8]) {
 
 /// What is read has a summary and metrics, as every reader of a record asks for.
 fn unpack<R: Record>(file: &str, json: &[u8]) {
-    let record = R::unpack(&RecordFiles::default().file(file, json.to_vec()));
+    let record = R::from_files(&RecordFiles::default().file(file, json.to_vec()));
     if let Ok(record) = &record {
         drop((record.summary(), record.metrics("subject")));
     }

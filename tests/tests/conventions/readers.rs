@@ -145,8 +145,8 @@ fn the_readers_of_the_project_are_found() {
     for (path, names) in [
         ("pipeline/twin/src/unpack.rs", &["unpack", "values", "assembled", "region"][..]),
         ("pipeline/optimize/src/network/file.rs", &["from_safetensors", "tensor_values", "layer_from_file"]),
-        ("pipeline/records/src/reduced.rs", &["unpack"]),
-        ("pipeline/records/src/runs.rs", &["read"]),
+        ("pipeline/records/src/reduced.rs", &["from_files"]),
+        ("pipeline/records/src/runs.rs", &["read_runs"]),
         ("pipeline/track/src/lens/opencv/mod.rs", &["read", "matrix", "fitted"]),
     ] {
         let found = of(path);

@@ -24,10 +24,10 @@ macro_rules! count_record {
         impl Record for $record {
             type Of = Specimen;
             const STAGE: &'static str = $stage;
-            fn pack(&self) -> Result<RecordFiles, RecordError> {
+            fn to_files(&self) -> Result<RecordFiles, RecordError> {
                 RecordFiles::default().scalars("count.json", &Count(self.0))
             }
-            fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+            fn from_files(files: &RecordFiles) -> Result<Self, RecordError> {
                 Ok(Self(files.read_scalars::<Count>("count.json")?.0))
             }
         }

@@ -89,7 +89,7 @@ impl Stage for Inflate {
         if let Some(eye) = seen.filter(|seen| !seen.walls.is_empty()).map(|seen| seen.eye_m) {
             see(&mut shapes, card, &mesh, eye);
         }
-        let film = seen.and_then(FrameData::shown);
+        let film = seen.and_then(FrameData::shown_walls);
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|s| s.pressures_pa == wanted));
         let nodes = skin(&mesh);
         let keep = |s: Shape| Shape { moved: nodes.iter().map(|&n| s.moved[n as usize]).collect(), ..s };

@@ -29,7 +29,7 @@ impl Stage for Transfer {
     const SECTION: &'static str = "thrust";
 
     fn run((): &(), set: &thrust::Settings, Every(needs): Self::Needs, context: &dyn StageContext) -> Result<Record> {
-        let alike = Layout::alike(&needs.iter().map(|(layout, _)| layout.clone()).collect::<Vec<_>>());
+        let alike = Layout::alike_layouts(&needs.iter().map(|(layout, _)| layout.clone()).collect::<Vec<_>>());
         let is_alike = |name: &String| alike.contains(name);
         let tails: Vec<Tail> = needs.iter().map(|(layout, t)| (layout.name.clone(), t.runs.as_slice())).collect();
         let (tails, others): (Vec<Tail>, Vec<Tail>) = tails.into_iter().partition(|(name, _)| is_alike(name));
