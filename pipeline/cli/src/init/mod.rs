@@ -40,10 +40,10 @@ pub fn from_folder(root: &Path, profile: Profile, (name, folder): (&str, &Path))
         return Err(write_error(&folders.display(&card), &std::io::ErrorKind::AlreadyExists.into()));
     }
     for file in &proposal.files {
-        let to = folders.raw_file(&format!("{name}/{file}"));
-        copy(&folder.join(file), &to).map_err(|e| write_error(&folders.display(&to), &e))?;
+        let target = folders.raw_file(&format!("{name}/{file}"));
+        copy_recording(&folder.join(file), &target).map_err(|e| write_error(&folders.display(&target), &e))?;
     }
-    create(&card, &folders, &proposal.card)?;
+    create_card(&card, &folders, &proposal.card)?;
     let card = folders.display(&card);
     let copied = proposal.files.len();
     Ok(format!(
@@ -52,7 +52,7 @@ pub fn from_folder(root: &Path, profile: Profile, (name, folder): (&str, &Path))
 }
 
 /// Copies a file, or a folder of pictures with what lies in it.
-fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+fn copy_recording(from: &Path, to: &Path) -> std::io::Result<()> {
     if !from.is_dir() {
         to.parent().map_or(Ok(()), fs::create_dir_all)?;
         return fs::copy(from, to).map(|_| ());
@@ -94,7 +94,7 @@ fn write_card(folders: &Folders, name: &str) -> Result<String> {
     }
     let path = folders.raw_file(&format!("{name}/{}", lab::folder::CARD));
     let card_path = folders.display(&path);
-    create(&path, folders, &CARD.replace("\"NAME\"", &format!("{name:?}")))?;
+    create_card(&path, folders, &CARD.replace("\"NAME\"", &format!("{name:?}")))?;
     let marked_lines = CARD.lines().filter(|line| line.contains("# FILL IN;")).count();
     Ok(format!(
         "{card_path}: fill in the {marked_lines} lines marked FILL IN; put the STL files into cad, the board's film or pictures into camera, films and logs into trials\nthen: study doctor {name}"
@@ -102,7 +102,7 @@ fn write_card(folders: &Folders, name: &str) -> Result<String> {
 }
 
 /// Writes a card where there is none.
-fn create(path: &Path, folders: &Folders, card: &str) -> Result<()> {
+fn create_card(path: &Path, folders: &Folders, card: &str) -> Result<()> {
     let created = fs::File::create_new(path).and_then(|mut file| file.write_all(card.as_bytes()));
     created.map_err(|e| write_error(&folders.display(path), &e))
 }

@@ -35,18 +35,18 @@ impl fmt::Display for Measured<'_> {
             edge * 1e3,
             self.seconds
         )?;
-        writeln!(out, "method      {}", self.method())?;
+        writeln!(out, "method      {}", self.method_text())?;
         report.repairs.iter().try_for_each(|repair| writeln!(out, "repaired    {repair}"))?;
         let [least, largest] = measures.dihedral_range_deg;
         let usual = measures.dihedral_quantile_deg;
         writeln!(out, "dihedral    {least:.2}° to {largest:.2}°; 99.9 % of the elements have {usual:.2}° and more")?;
-        bars(out, &measures.dihedral_histogram, (ANGLE_CLASS, 1, "°"))?;
+        write_bars(out, &measures.dihedral_histogram, (ANGLE_CLASS, 1, "°"))?;
         writeln!(out, "jacobian    least scaled {:.4}", measures.least_jacobian)?;
-        bars(out, &measures.jacobian_histogram, (JACOBIAN_CLASS, 1, ""))?;
-        measures.regions.iter().enumerate().try_for_each(|(number, region)| volume(out, number, region))?;
+        write_bars(out, &measures.jacobian_histogram, (JACOBIAN_CLASS, 1, ""))?;
+        measures.regions.iter().enumerate().try_for_each(|(number, region)| write_volume(out, number, region))?;
         let [there, back] = [measures.surfaces_to_mesh, measures.mesh_to_surfaces].map(|d| d / edge);
         writeln!(out, "hausdorff   {there:.4} of the edge from the surfaces to the mesh, {back:.4} back")?;
-        writeln!(out, "skin        {} outer, {} chambers", counted(measures.shells, "shell"), self.chambers)?;
+        writeln!(out, "skin        {} outer, {} chambers", count_text(measures.shells, "shell"), self.chambers)?;
         for chamber in &report.chambers {
             let [x, y, z] = chamber.centroid.map(|c| c * 1e3);
             writeln!(out, "chamber     {:.2} mm³ at ({x:.2}, {y:.2}, {z:.2}) mm", chamber.volume * 1e9)?;
@@ -61,7 +61,7 @@ impl fmt::Display for Measured<'_> {
 
 impl Measured<'_> {
     /// Which it was, and why.
-    fn method(&self) -> String {
+    fn method_text(&self) -> String {
         match (&self.chosen.not_columns, Method::from(self.options.method)) {
             (Some(why), _) => format!("general, since {}", Diagnostic::from(why.clone()).what),
             (None, Method::General) => "general, as it was asked for".to_owned(),
@@ -71,11 +71,11 @@ impl Measured<'_> {
     }
 }
 
-fn counted(count: usize, noun: &str) -> String {
+fn count_text(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
-fn volume(out: &mut fmt::Formatter, number: usize, region: &RegionMeasures) -> fmt::Result {
+fn write_volume(out: &mut fmt::Formatter, number: usize, region: &RegionMeasures) -> fmt::Result {
     let (elements, volume) = (region.elements, region.volume * 1e9);
     write!(out, "region {number:<5}{elements} elements, {volume:.3} mm³")?;
     match region.expected {
@@ -87,11 +87,11 @@ fn volume(out: &mut fmt::Formatter, number: usize, region: &RegionMeasures) -> f
 }
 
 /// A line a class of a histogram, from the first that is not empty.
-fn bars(out: &mut fmt::Formatter, counts: &[usize], (class, digits, unit): (f64, usize, &str)) -> fmt::Result {
-    let most = counts.iter().copied().max().unwrap_or(0).max(1);
+fn write_bars(out: &mut fmt::Formatter, counts: &[usize], (class, digits, unit): (f64, usize, &str)) -> fmt::Result {
+    let largest = counts.iter().copied().max().unwrap_or(0).max(1);
     for (number, count) in counts.iter().enumerate().skip_while(|(_, count)| **count == 0) {
         let [from, to] = [number, number + 1].map(|k| k as f64 * class);
-        let bar = "#".repeat((BAR * count).div_ceil(most));
+        let bar = "#".repeat((BAR * count).div_ceil(largest));
         writeln!(out, "    {from:5.digits$} to {to:5.digits$}{unit:<1} {count:>9} {bar}")?;
     }
     Ok(())

@@ -16,7 +16,7 @@ use mesh::{Assembly, Chosen, Measures, QuadraticMesh, Settings, Surface, mesh_as
 
 use measured::Measured;
 use options::MeshSurfaces;
-use picture::picture;
+use picture::section_picture;
 
 /// What was made.
 pub struct Meshed {
@@ -39,21 +39,22 @@ pub fn run(options: &MeshSurfaces, quiet: bool) -> Result<Meshed> {
         }
     };
     let set = Settings { method: options.method.into(), use_symmetry: false, ..Settings::new(options.edge) };
-    let chosen = mesh_assembly(&assembly, &set, &watch).map_err(|error| Diagnostic::from(error).of(names(options)))?;
+    let chosen =
+        mesh_assembly(&assembly, &set, &watch).map_err(|error| Diagnostic::from(error).of(surface_names(options)))?;
     let seconds = began.elapsed().as_secs_f64();
     let linear = chosen.solid.clone().into_corners();
     let measures = Measures::new(&linear, &assembly, options.edge);
     if let (Some(kind), Some(path)) = (kind, &options.out) {
-        write_whole(path, kind.text(&chosen.solid, &surfaces.region_names())?.as_bytes())?;
+        write_whole(path, kind.file_text(&chosen.solid, &surfaces.region_names())?.as_bytes())?;
     }
     if let Some(path) = &options.repair_to {
-        write_whole(path, &stl::write(&skin(&chosen), options.unit.metres(), "repaired by study mesh"))?;
+        write_whole(path, &stl::write(&mesh_skin(&chosen), options.unit.metres(), "repaired by study mesh"))?;
     }
     if let Some(path) = &options.picture {
-        write_whole(path, picture(&linear).as_bytes())?;
+        write_whole(path, section_picture(&linear).as_bytes())?;
     }
     let measured = Measured { chosen: &chosen, measures: &measures, options, chambers: linear.chambers(), seconds };
-    Ok(Meshed { report: measured.to_string() + &written(options) })
+    Ok(Meshed { report: measured.to_string() + &written_files(options) })
 }
 
 /// The surfaces of all files.
@@ -110,7 +111,7 @@ impl MeshFile {
         }
     }
 
-    fn text(self, mesh: &QuadraticMesh, regions: &[String]) -> Result<String> {
+    fn file_text(self, mesh: &QuadraticMesh, regions: &[String]) -> Result<String> {
         let text = match self {
             Self::Gmsh => write_gmsh(mesh, regions),
             Self::Medit => write_medit(mesh),
@@ -121,19 +122,19 @@ impl MeshFile {
 }
 
 /// The mesh's own surface, chambers included: closed, within the envelope of what was read.
-fn skin(chosen: &Chosen) -> Surface {
+fn mesh_skin(chosen: &Chosen) -> Surface {
     let mesh = &chosen.solid;
     let mut number = vec![u32::MAX; mesh.nodes.len()];
     let mut surface = Surface::default();
     for face in &mesh.skin {
         for triangle in face.corner_triangles() {
             surface.faces.push(triangle.map(|node| {
-                let place = &mut number[node as usize];
-                if *place == u32::MAX {
-                    *place = surface.points.len() as u32;
+                let slot = &mut number[node as usize];
+                if *slot == u32::MAX {
+                    *slot = surface.points.len() as u32;
                     surface.points.push(mesh.nodes[node as usize]);
                 }
-                *place
+                *slot
             }));
         }
     }
@@ -151,12 +152,12 @@ fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     })
 }
 
-fn names(options: &MeshSurfaces) -> String {
+fn surface_names(options: &MeshSurfaces) -> String {
     let paths: Vec<String> = options.surfaces.iter().chain(&options.cavity).map(|p| p.display().to_string()).collect();
     paths.join(" with ")
 }
 
-fn written(options: &MeshSurfaces) -> String {
+fn written_files(options: &MeshSurfaces) -> String {
     let files = [("mesh", &options.out), ("surface", &options.repair_to), ("picture", &options.picture)];
     let line = |(what, path): (&str, &Option<PathBuf>)| Some(format!("{what:<12}{}\n", path.as_ref()?.display()));
     files.into_iter().filter_map(line).collect()

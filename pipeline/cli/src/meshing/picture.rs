@@ -44,29 +44,29 @@ impl View {
         Self { across, axes, height, low: axes.map(|k| low[k]), high: axes.map(|k| high[k]), scale }
     }
 
-    fn pixel(&self, point: Point3) -> Point2 {
+    fn to_pixel(&self, point: Point3) -> Point2 {
         let [x, y] = self.axes.map(|k| point[k]);
         [MARGIN + self.scale * (x - self.low[0]), MARGIN + self.scale * (self.high[1] - y)]
     }
 
-    fn size(&self) -> Point2 {
+    fn picture_size(&self) -> Point2 {
         [WIDTH, 2.0 * MARGIN + self.scale * (self.high[1] - self.low[1])]
     }
 
     /// The section of a tetrahedron, as a polygon; empty where the plane does not cross it.
-    fn section(&self, corners: [Point3; 4]) -> Vec<Point2> {
+    fn tet_section(&self, corners: [Point3; 4]) -> Vec<Point2> {
         let heights = corners.map(|p| p[self.across] - self.height);
         let crossed = EDGES.into_iter().filter(|[i, j]| (heights[*i] < 0.0) != (heights[*j] < 0.0));
         let meeting = |[i, j]: [usize; 2]| {
             let share = heights[i] / (heights[i] - heights[j]);
-            self.pixel([0, 1, 2].map(|k| corners[i][k] + share * (corners[j][k] - corners[i][k])))
+            self.to_pixel([0, 1, 2].map(|k| corners[i][k] + share * (corners[j][k] - corners[i][k])))
         };
-        around(crossed.map(meeting).collect())
+        in_angular_order(crossed.map(meeting).collect())
     }
 }
 
 /// Points of a convex polygon in their order around it.
-fn around(mut points: Vec<Point2>) -> Vec<Point2> {
+fn in_angular_order(mut points: Vec<Point2>) -> Vec<Point2> {
     let count = points.len().max(1) as f64;
     let middle = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / count);
     let angle = |p: &Point2| (p[1] - middle[1]).atan2(p[0] - middle[0]);
@@ -75,34 +75,34 @@ fn around(mut points: Vec<Point2>) -> Vec<Point2> {
 }
 
 /// The mesh cut open, as SVG.
-pub(super) fn picture(mesh: &TetMesh) -> String {
+pub(super) fn section_picture(mesh: &TetMesh) -> String {
     let view = View::new(mesh);
-    let [width, height] = view.size();
+    let [width, height] = view.picture_size();
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" stroke-linejoin=\"round\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<g stroke=\"#445\" stroke-width=\"0.6\">\n"
     );
     for (tet, region) in mesh.regions.iter().enumerate() {
-        let section = view.section(mesh.corners(tet));
+        let section = view.tet_section(mesh.corners(tet));
         if section.len() > 2 {
-            polygon(&mut svg, &section, &format!("fill=\"{}\"", FILLS[usize::from(*region) % FILLS.len()]));
+            write_polygon(&mut svg, &section, &format!("fill=\"{}\"", FILLS[usize::from(*region) % FILLS.len()]));
         }
     }
     svg += "</g>\n<g fill=\"none\" stroke=\"#c00000\" stroke-width=\"1.5\">\n";
     for (tet, angle) in worst_elements(mesh, WORST) {
-        let corners = mesh.corners(tet).map(|p| view.pixel(p));
-        let sides: String = EDGES.iter().map(|[i, j]| line(corners[*i], corners[*j])).collect();
+        let corners = mesh.corners(tet).map(|p| view.to_pixel(p));
+        let sides: String = EDGES.iter().map(|[i, j]| line_path(corners[*i], corners[*j])).collect();
         let _ = writeln!(svg, "<path d=\"{sides}\"><title>element {tet}: {angle:.2}°</title></path>");
     }
     svg + "</g>\n</svg>\n"
 }
 
-fn polygon(svg: &mut String, points: &[Point2], style: &str) {
+fn write_polygon(svg: &mut String, points: &[Point2], style: &str) {
     let places: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
     let _ = writeln!(svg, "<polygon points=\"{}\" {style}/>", places.join(" "));
 }
 
-fn line([x, y]: Point2, [u, v]: Point2) -> String {
+fn line_path([x, y]: Point2, [u, v]: Point2) -> String {
     format!("M{x:.1} {y:.1}L{u:.1} {v:.1}")
 }
 
@@ -114,7 +114,7 @@ mod tests {
     fn a_tetrahedron_that_the_plane_crosses_is_a_polygon_and_its_six_edges_are_drawn() {
         let nodes = vec![[0.0; 3], [0.02, 0.0, 0.0], [0.0, 0.015, 0.0], [0.0, 0.0, 0.01]];
         let mesh = TetMesh { nodes, tets: vec![[0, 1, 2, 3]], regions: vec![0], skin: Vec::new(), half: false };
-        let svg = picture(&mesh);
+        let svg = section_picture(&mesh);
         assert_eq!((svg.matches("<polygon").count(), svg.matches("<path").count()), (1, 1));
         assert_eq!(svg.matches('L').count(), 6);
     }

@@ -61,7 +61,7 @@ const UNITS: [(&str, &str, Role); 20] = [
 ];
 
 /// Letters and digits of a title in lower case, without separators.
-fn words(title: &str) -> Vec<String> {
+fn title_words(title: &str) -> Vec<String> {
     let parts = title.split(|c: char| !c.is_alphanumeric());
     parts.filter(|part| !part.is_empty()).map(str::to_lowercase).collect()
 }
@@ -70,13 +70,13 @@ fn words(title: &str) -> Vec<String> {
 fn unit_of(text: &str) -> Option<(&'static str, Role)> {
     let bracketed = text.rfind(['[', '(']).map(|open| text[open + 1..].trim_end_matches([']', ')', ' ']));
     let last = text.rsplit(|c: char| !c.is_alphanumeric() && c != '°').next().unwrap_or_default();
-    let known = |word: &str| {
+    let known_unit = |word: &str| {
         let exact = UNITS.iter().find(|(unit, ..)| *unit == word.trim());
         exact.or_else(|| UNITS.iter().find(|(unit, ..)| unit.eq_ignore_ascii_case(word.trim())))
     };
     // a title that is one word names a quantity
-    let is_alone = words(text).len() == 1 && bracketed.is_none();
-    let unit = bracketed.and_then(known).or_else(|| (!is_alone).then(|| known(last)).flatten());
+    let is_alone = title_words(text).len() == 1 && bracketed.is_none();
+    let unit = bracketed.and_then(known_unit).or_else(|| (!is_alone).then(|| known_unit(last)).flatten());
     unit.map(|(_, word, role)| (*word, *role))
 }
 
@@ -105,12 +105,12 @@ pub(super) fn columns(table: &RawTable) -> Vec<Column> {
 
 fn assign_roles(columns: &mut [Column]) {
     let hinted = |column: &Column, hints: &[&str]| {
-        let words = column.title.as_deref().map(words).unwrap_or_default();
+        let words = column.title.as_deref().map(title_words).unwrap_or_default();
         words.iter().any(|word| hints.contains(&word.trim_end_matches(char::is_numeric)))
     };
-    let rising: Vec<usize> = (0..columns.len()).filter(|&k| rises(&columns[k].values)).collect();
+    let rising: Vec<usize> = (0..columns.len()).filter(|&k| is_rising(&columns[k].values)).collect();
     let named_time =
-        rising.iter().copied().find(|&k| hinted(&columns[k], &TIME) || columns[k].measures() == Some(Role::Time));
+        rising.iter().copied().find(|&k| hinted(&columns[k], &TIME) || columns[k].unit_role() == Some(Role::Time));
     let Some(time) = named_time.or(rising.first().copied()) else { return };
     columns[time].role = Role::Time;
     let two_levels: Vec<usize> =
@@ -122,7 +122,7 @@ fn assign_roles(columns: &mut [Column]) {
     lamp.into_iter().for_each(|k| columns[k].role = Role::Lamp);
     let is_lone = columns.iter().filter(|column| column.role == Role::Other && is_numeric(&column.values)).count() == 1;
     for column in columns.iter_mut().filter(|column| column.role == Role::Other && is_numeric(&column.values)) {
-        let (is_step, measures) = (is_piecewise_constant(&column.values), column.measures());
+        let (is_step, measures) = (is_piecewise_constant(&column.values), column.unit_role());
         let is_force =
             measures == Some(Role::Force) || measures.is_none() && (hinted(column, &FORCE) || is_lone && !is_step);
         let is_pressure = measures == Some(Role::Pressure)
@@ -140,7 +140,7 @@ fn assign_roles(columns: &mut [Column]) {
 
 impl Column {
     /// What its unit measures.
-    fn measures(&self) -> Option<Role> {
+    fn unit_role(&self) -> Option<Role> {
         let unit = self.unit?;
         UNITS
             .iter()
@@ -154,7 +154,7 @@ fn is_numeric(values: &[f64]) -> bool {
     values.iter().filter(|v| v.is_finite()).count() * 10 > values.len() * 9
 }
 
-fn rises(values: &[f64]) -> bool {
+fn is_rising(values: &[f64]) -> bool {
     is_numeric(values) && values.windows(2).filter(|pair| pair[1] <= pair[0]).count() * 100 <= values.len()
 }
 
@@ -163,7 +163,7 @@ fn is_piecewise_constant(values: &[f64]) -> bool {
     values.windows(2).filter(|pair| pair[0] != pair[1]).count() * 10 <= values.len()
 }
 
-fn middle(values: &[f64]) -> f64 {
+fn middle_value(values: &[f64]) -> f64 {
     let range = values
         .iter()
         .filter(|v| v.is_finite())
@@ -172,22 +172,22 @@ fn middle(values: &[f64]) -> f64 {
 }
 
 fn on_samples(values: &[f64]) -> usize {
-    let middle = middle(values);
+    let middle = middle_value(values);
     values.iter().filter(|v| **v > middle).count()
 }
 
 /// Low, then high, then perhaps low again, with hardly anything between.
 fn is_switched_once(values: &[f64]) -> bool {
-    let middle = middle(values);
+    let middle = middle_value(values);
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let switches = values.windows(2).filter(|pair| (pair[0] > middle) != (pair[1] > middle)).count();
-    let between = values.iter().filter(|v| (*v - low).min(high - *v) > 0.2 * (high - low)).count();
-    high > low && values[0] < middle && (1..=2).contains(&switches) && between <= 4
+    let between_levels = values.iter().filter(|v| (*v - low).min(high - *v) > 0.2 * (high - low)).count();
+    high > low && values[0] < middle && (1..=2).contains(&switches) && between_levels <= 4
 }
 
 /// Seconds from the lamp's on to its off in a log, where it goes off.
-pub(super) fn lit(time: &[f64], lamp: &[f64]) -> Option<f64> {
-    let middle = middle(lamp);
+pub(super) fn lit_seconds(time: &[f64], lamp: &[f64]) -> Option<f64> {
+    let middle = middle_value(lamp);
     let switches: Vec<usize> = (1..lamp.len()).filter(|&k| (lamp[k] > middle) != (lamp[k - 1] > middle)).collect();
     let [on, off] = switches[..] else { return None };
     // length: a time for each sample of the lamp
@@ -197,27 +197,27 @@ pub(super) fn lit(time: &[f64], lamp: &[f64]) -> Option<f64> {
 /// Names the channels by what is left of the titles of their columns, or by number; each command has its measured pressure.
 fn name_channels(columns: &mut [Column]) {
     let noise: Vec<&str> = [&COMMAND[..], &MEASURED, &PRESSURE].concat();
-    let left = |column: &Column| {
+    let channel_words = |column: &Column| {
         let unit = column.unit.map(str::to_lowercase);
-        let words = column.title.as_deref().map(words).unwrap_or_default();
-        let kept = words.into_iter().filter(|word| {
+        let words = column.title.as_deref().map(title_words).unwrap_or_default();
+        let telling_words = words.into_iter().filter(|word| {
             !noise.contains(&word.as_str())
                 && Some(word) != unit.as_ref()
                 && !UNITS.iter().any(|(name, ..)| name.to_lowercase() == *word)
         });
-        kept.filter(|word| word.is_ascii()).collect::<Vec<_>>().join("_")
+        telling_words.filter(|word| word.is_ascii()).collect::<Vec<_>>().join("_")
     };
     let commands: Vec<usize> = (0..columns.len()).filter(|&k| columns[k].role == Role::Command).collect();
     let mut measured: Vec<usize> = (0..columns.len()).filter(|&k| columns[k].role == Role::Pressure).collect();
     for (number, &command) in commands.iter().enumerate() {
-        let own = left(&columns[command]);
-        let same = measured.iter().position(|&k| !own.is_empty() && left(&columns[k]) == own);
+        let own_words = channel_words(&columns[command]);
+        let same = measured.iter().position(|&k| !own_words.is_empty() && channel_words(&columns[k]) == own_words);
         let follows = |k: &usize| correlation(&columns[command].values, &columns[*k].values);
         let best = (0..measured.len()).max_by(|&a, &b| follows(&measured[a]).total_cmp(&follows(&measured[b])));
         let best = best.filter(|&place| follows(&measured[place]) > 0.8);
         // of channels at rest nothing but the order tells which is whose
         let partner = same.or(best).or((!measured.is_empty()).then_some(0)).map(|place| measured.remove(place));
-        let name = if own.is_empty() { format!("channel_{}", number + 1) } else { own };
+        let name = if own_words.is_empty() { format!("channel_{}", number + 1) } else { own_words };
         partner.into_iter().chain([command]).for_each(|k| columns[k].channel = Some(name.clone()));
     }
 }
@@ -296,7 +296,7 @@ mod tests {
             let columns = columns(&table);
             let roles = [Role::Lamp, Role::Pressure, Role::Command, Role::Time, Role::Command, Role::Pressure];
             assert_eq!(columns.iter().map(|column| column.role).collect::<Vec<_>>(), roles, "{titles}");
-            assert_eq!(lit(&columns[3].values, &columns[0].values), Some(400.0));
+            assert_eq!(lit_seconds(&columns[3].values, &columns[0].values), Some(400.0));
             let channels: Vec<&str> = [2, 5, 4, 1].map(|k| columns[k].channel.as_deref().unwrap()).to_vec();
             let expected = if titles.is_empty() {
                 ["channel_1", "channel_1", "channel_2", "channel_2"]

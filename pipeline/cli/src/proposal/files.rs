@@ -37,29 +37,29 @@ const PICTURES: usize = 3;
 ///
 /// # Errors
 /// A [`Diagnostic`] when it cannot be listed, or holds more than ten thousand files.
-pub(super) fn recordings(folder: &Path) -> Result<Vec<Recording>> {
-    let mut all = Vec::new();
-    collect(folder, folder, DEEPEST, &mut all)?;
-    all.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(all)
+pub(super) fn list_recordings(folder: &Path) -> Result<Vec<Recording>> {
+    let mut recordings = Vec::new();
+    collect_recordings(folder, folder, DEEPEST, &mut recordings)?;
+    recordings.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(recordings)
 }
 
-fn collect(top: &Path, folder: &Path, depth: usize, all: &mut Vec<Recording>) -> Result<()> {
+fn collect_recordings(top: &Path, folder: &Path, depth: usize, recordings: &mut Vec<Recording>) -> Result<()> {
     let unreadable = |e: std::io::Error| Diagnostic::io(folder, e, "name a folder of recordings");
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|p| !is_hidden(p)).collect();
     if folder != top && paths.iter().filter(|path| ending_is(path, &["png", "jpg", "jpeg"])).count() >= PICTURES {
-        all.push(recording(top, folder, Kind::Film));
+        recordings.push(named_recording(top, folder, Kind::Film));
         return Ok(());
     }
     for path in paths {
         if path.is_dir() {
             if depth > 0 {
-                collect(top, &path, depth - 1, all)?;
+                collect_recordings(top, &path, depth - 1, recordings)?;
             }
-        } else if all.len() < MOST {
-            let kind = kind(&path);
-            all.push(recording(top, &path, kind));
+        } else if recordings.len() < MOST {
+            let kind = file_kind(&path);
+            recordings.push(named_recording(top, &path, kind));
         } else {
             let reason = format!("a folder of recordings has fewer than {MOST}");
             return Err(Diagnostic::new(
@@ -72,7 +72,7 @@ fn collect(top: &Path, folder: &Path, depth: usize, all: &mut Vec<Recording>) ->
     Ok(())
 }
 
-fn recording(top: &Path, path: &Path, kind: Kind) -> Recording {
+fn named_recording(top: &Path, path: &Path, kind: Kind) -> Recording {
     let relative = path.strip_prefix(top).unwrap_or(path);
     let parts: Vec<String> =
         relative.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
@@ -89,7 +89,7 @@ fn ending_is(path: &Path, endings: &[&str]) -> bool {
 }
 
 /// By its first bytes, and where those do not say it, its ending.
-fn kind(path: &Path) -> Kind {
+fn file_kind(path: &Path) -> Kind {
     let mut head = Vec::new();
     let opened = std::fs::File::open(path).and_then(|file| {
         use std::io::Read;
@@ -132,7 +132,8 @@ mod tests {
         write("._b.txt", b"t,f\n0,1\n");
         write("d.bin", &[0, 1, 2, 255]);
         (0..3).for_each(|k| write(&format!("a/frames/{k}.png"), b"png"));
-        let kinds: Vec<(String, Kind)> = recordings(&folder).unwrap().into_iter().map(|r| (r.name, r.kind)).collect();
+        let kinds: Vec<(String, Kind)> =
+            list_recordings(&folder).unwrap().into_iter().map(|r| (r.name, r.kind)).collect();
         let expected = [
             ("a/clip.dat", Kind::Film),
             ("a/frames", Kind::Film),

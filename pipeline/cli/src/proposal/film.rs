@@ -40,7 +40,7 @@ const CARRIED: f64 = 20.0;
 ///
 /// # Errors
 /// A [`Diagnostic`] when it cannot be read.
-pub(super) fn footage(recording: &Recording) -> Result<Footage> {
+pub(super) fn read_footage(recording: &Recording) -> Result<Footage> {
     let (film, _) = Film::open_board(&recording.path, 1).map_err(Diagnostic::from)?;
     let info = film.info();
     let every = (info.frames / SEARCHED).max(1);
@@ -50,10 +50,10 @@ pub(super) fn footage(recording: &Recording) -> Result<Footage> {
         let frame = frame.map_err(Diagnostic::from)?;
         blocks.push(&frame.gray);
         if frame.index.is_multiple_of(every) {
-            search.take(frame.time, &frame.gray);
+            search.take_picture(frame.time, &frame.gray);
         }
     }
-    Ok(Footage { name: recording.name.clone(), info, blocks, board: search.board() })
+    Ok(Footage { name: recording.name.clone(), info, blocks, board: search.carried_board() })
 }
 
 /// A board in one picture.
@@ -72,7 +72,7 @@ struct Search {
 
 impl Search {
     /// Searches a picture: no further one of a film whose first show none, and few of one in which it does not move.
-    fn take(&mut self, time: f64, gray: &Gray) {
+    fn take_picture(&mut self, time: f64, gray: &Gray) {
         self.offered += 1;
         let is_late = self.pictures >= ENOUGH;
         let is_hopeless = is_late && self.seen.len() * 4 < ENOUGH;
@@ -90,14 +90,14 @@ impl Search {
     }
 
     /// The board that most pictures show, where it is carried: what lies still throughout is part of the background.
-    fn board(&self) -> Option<BoardSeen> {
+    fn carried_board(&self) -> Option<BoardSeen> {
         let count = |size: (usize, usize)| self.seen.iter().filter(|seen| seen.size() == size).count();
         let size = self.seen.iter().map(Seen::size).max_by_key(|size| (count(*size), size.0 * size.1))?;
         let views: Vec<&Seen> = self.seen.iter().filter(|seen| seen.size() == size).collect();
         let last = views.last()?;
         let is_near = |seen: &&&Seen| distance(seen, last).is_some_and(|distance| distance < MOVED);
-        let from = views.iter().rev().take_while(is_near).last()?.time;
-        let still = (last.time > from).then_some([from, last.time]);
+        let still_since = views.iter().rev().take_while(is_near).last()?.time;
+        let still = (last.time > still_since).then_some([still_since, last.time]);
         self.is_carried().then_some(BoardSeen { size, pictures: (views.len(), self.pictures), still })
     }
 }

@@ -65,16 +65,16 @@ impl Blocks {
 
     /// How much a block behaves as a lamp: its contrast, where it is off, on and off again, or the film ends before.
     fn contrast(&self, block: usize) -> f64 {
-        switched(&self.series(block)).map_or(0.0, |on| on.contrast * if on.until.is_some() { 1.0 } else { 0.5 })
+        on_interval(&self.series(block)).map_or(0.0, |on| on.contrast * if on.until.is_some() { 1.0 } else { 0.5 })
     }
 
     /// Frames of the film from the lamp's on to its off; the film's end where it ends before.
     pub(super) fn lit(&self, lamp: &Lamp) -> Option<Lit> {
-        let on = switched(&self.series(lamp.block))?;
-        let until = on.until.unwrap_or(self.frames.len());
+        let on = on_interval(&self.series(lamp.block))?;
+        let end = on.until.unwrap_or(self.frames.len());
         Some(Lit {
             from: on.from * self.every,
-            until: until * self.every,
+            until: end * self.every,
             is_whole: on.until.is_some(),
             every: self.every,
         })
@@ -99,21 +99,21 @@ struct On {
 }
 
 /// The one interval in which a series is high; none where there is none, or several.
-fn switched(series: &[f64]) -> Option<On> {
+fn on_interval(series: &[f64]) -> Option<On> {
     let (low, high) = series.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let contrast = high - low;
     if series.len() < 4 || contrast < LEAST_CONTRAST || high < LEAST_LEVEL {
         return None;
     }
     let middle = 0.5 * (low + high);
-    let between = series.iter().filter(|v| (*v - low).min(high - *v) > NEAR * contrast).count();
+    let between_levels = series.iter().filter(|v| (*v - low).min(high - *v) > NEAR * contrast).count();
     let switches: Vec<usize> =
         (1..series.len()).filter(|&k| (series[k] > middle) != (series[k - 1] > middle)).collect();
     let is_dark_first = series[0] < middle;
     // a frame may catch the lamp while it is switched
     match switches[..] {
-        [from, until] if is_dark_first && between <= 4 => Some(On { from, until: Some(until), contrast }),
-        [from] if is_dark_first && between <= 2 => Some(On { from, until: None, contrast }),
+        [from, until] if is_dark_first && between_levels <= 4 => Some(On { from, until: Some(until), contrast }),
+        [from] if is_dark_first && between_levels <= 2 => Some(On { from, until: None, contrast }),
         _ => None,
     }
 }
@@ -130,7 +130,7 @@ pub(super) fn lamp(films: &[&Blocks]) -> Option<Lamp> {
     if contrasts[block] < 0.4 * LEAST_CONTRAST {
         return None;
     }
-    let bright = connected(&contrasts, block, first.columns);
+    let bright = connected_blocks(&contrasts, block, first.columns);
     let weight: f64 = bright.iter().map(|&k| contrasts[k]).sum();
     let mean = |place: fn(usize, usize) -> usize| {
         let middle = |k: usize| (place(k, first.columns) as f64 + 0.5) * first.side as f64 - 0.5;
@@ -142,7 +142,7 @@ pub(super) fn lamp(films: &[&Blocks]) -> Option<Lamp> {
 }
 
 /// The blocks that are connected with one by their sides and have half its contrast.
-fn connected(contrasts: &[f64], block: usize, columns: usize) -> Vec<usize> {
+fn connected_blocks(contrasts: &[f64], block: usize, columns: usize) -> Vec<usize> {
     let (mut members, mut open) = (Vec::new(), vec![block]);
     while let Some(k) = open.pop() {
         if members.contains(&k) || contrasts[k] < 0.5 * contrasts[block] {

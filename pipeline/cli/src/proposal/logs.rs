@@ -3,7 +3,7 @@
 use diagnostics::{Diagnostic, Result, input};
 use lab::log::table::{RawTable, encoding_name};
 
-use super::columns::{Column, Role, columns, in_log_units, lit, plausible_pressure};
+use super::columns::{Column, Role, columns, in_log_units, lit_seconds, plausible_pressure};
 use super::files::Recording;
 use super::guess::{Confidence, Guess};
 use super::pairing::Timed;
@@ -77,7 +77,7 @@ impl Log {
         let clock = clock_unit(time.and_then(|column| column.unit), step);
         let factor = in_log_units(clock.0);
         let lamp = columns.iter().find(|column| column.role == Role::Lamp);
-        let lit = lamp.and_then(|lamp| lit(stamps, &lamp.values)).map(|seconds| seconds * factor);
+        let lit = lamp.and_then(|lamp| lit_seconds(stamps, &lamp.values)).map(|seconds| seconds * factor);
         Self { name: recording.name.clone(), kind, dialect, clock, lit, step: step * factor, columns }
     }
 

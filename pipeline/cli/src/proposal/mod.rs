@@ -70,7 +70,7 @@ pub fn is_folder(root: &Path, profile: Profile, word: &str) -> bool {
 /// # Errors
 /// A [`Diagnostic`] when the folder cannot be listed or holds neither a film nor a log.
 pub fn propose(folder: &Path, name: &str) -> Result<Proposal> {
-    let recordings = files::recordings(folder)?;
+    let recordings = files::list_recordings(folder)?;
     let contents = contents(&recordings);
     if contents.films.is_empty() && contents.logs.is_empty() {
         let reason = format!("none of its {} files is a film or a table of numbers that is read", recordings.len());
@@ -101,25 +101,26 @@ pub fn write(folder: &Path) -> Result<(Proposal, PathBuf)> {
 }
 
 fn contents(recordings: &[Recording]) -> Contents {
-    let of = |kind: Kind| recordings.iter().filter(move |recording| recording.kind == kind).collect::<Vec<_>>();
+    let recordings_of =
+        |kind: Kind| recordings.iter().filter(move |recording| recording.kind == kind).collect::<Vec<_>>();
     let mut remarks = Vec::new();
     let mut read = |recording: &Recording, diagnostic: Diagnostic| {
         let evidence = format!("it is not read: {}; {}", diagnostic.what, diagnostic.why);
         remarks.push(Guess::question(&recording.name, evidence));
     };
     let footage: Vec<_> =
-        of(Kind::Film).into_par_iter().map(|recording| (recording, film::footage(recording))).collect();
+        recordings_of(Kind::Film).into_par_iter().map(|recording| (recording, film::read_footage(recording))).collect();
     let mut films = Vec::new();
     for (recording, result) in footage {
         result.map_or_else(|diagnostic| read(recording, diagnostic), |film| films.push(film));
     }
     let mut tables = Vec::new();
-    for recording in of(Kind::Text) {
+    for recording in recordings_of(Kind::Text) {
         match logs::log(recording) {
             Ok(log) => tables.extend(log),
             Err(diagnostic) => read(recording, diagnostic),
         }
     }
-    let solids = of(Kind::Surface).into_iter().filter_map(solids::solid).collect();
+    let solids = recordings_of(Kind::Surface).into_iter().filter_map(solids::solid).collect();
     Contents { films, logs: tables, solids, remarks }
 }

@@ -36,7 +36,7 @@ pub(super) fn pairs(films: &[Timed], logs: &[Timed]) -> (Vec<Pair>, f64) {
         if count > best.1 { (ratio, count) } else { best }
     });
     let ratio = mean_ratio(films, logs, best.0);
-    (assigned(films, logs, ratio), ratio)
+    (assign_groups(films, logs, ratio), ratio)
 }
 
 fn is_same(film: &Timed, log: &Timed, ratio: f64) -> bool {
@@ -58,9 +58,9 @@ fn mean_ratio(films: &[Timed], logs: &[Timed], ratio: f64) -> f64 {
 
 /// Pairs within each group of films and logs whose lamps are on as long: the only ones, by names where these tell all of a group apart,
 /// else in the order of the names.
-fn assigned(films: &[Timed], logs: &[Timed], ratio: f64) -> Vec<Pair> {
+fn assign_groups(films: &[Timed], logs: &[Timed], ratio: f64) -> Vec<Pair> {
     let mut pairs = Vec::new();
-    for group in groups(films, logs, ratio) {
+    for group in lamp_groups(films, logs, ratio) {
         let named = |all: &[Timed], members: &[usize]| telling_tokens(members.iter().map(|k| &all[*k].name[..]));
         let (of_films, of_logs) = (named(films, &group.films), named(logs, &group.logs));
         let by_name = by_name(&of_films, &of_logs);
@@ -86,7 +86,7 @@ struct Group {
     logs: Vec<usize>,
 }
 
-fn groups(films: &[Timed], logs: &[Timed], ratio: f64) -> Vec<Group> {
+fn lamp_groups(films: &[Timed], logs: &[Timed], ratio: f64) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (f, film) in films.iter().enumerate() {
         let fits: Vec<usize> = (0..logs.len()).filter(|l| is_same(film, &logs[*l], ratio)).collect();
@@ -120,9 +120,12 @@ fn natural_key(name: &str) -> Vec<(u64, String)> {
 
 /// Of each name the words and numbers that not all of the names have.
 fn telling_tokens<'a>(names: impl Iterator<Item = &'a str>) -> Vec<BTreeSet<String>> {
-    let all: Vec<BTreeSet<String>> = names.map(tokens).collect();
-    let common = all.iter().skip(1).fold(all.first().cloned().unwrap_or_default(), |common, own| &common & own);
-    all.iter().map(|own| own - &common).collect()
+    let token_sets: Vec<BTreeSet<String>> = names.map(tokens).collect();
+    let common = token_sets
+        .iter()
+        .skip(1)
+        .fold(token_sets.first().cloned().unwrap_or_default(), |common, token_set| &common & token_set);
+    token_sets.iter().map(|token_set| token_set - &common).collect()
 }
 
 /// The log of each film by what their names share; none where that does not tell all of them apart.
@@ -134,8 +137,8 @@ fn by_name(films: &[BTreeSet<String>], logs: &[BTreeSet<String>]) -> Option<Vec<
             if shared > 0 { 2 * shared as i64 - alone as i64 } else { i64::MIN }
         };
         let alike: Vec<i64> = logs.iter().map(likeness).collect();
-        let most = alike.iter().copied().max().filter(|most| *most > i64::MIN)?;
-        let places: Vec<usize> = (0..logs.len()).filter(|place| alike[*place] == most).collect();
+        let best_likeness = alike.iter().copied().max().filter(|best_likeness| *best_likeness > i64::MIN)?;
+        let places: Vec<usize> = (0..logs.len()).filter(|place| alike[*place] == best_likeness).collect();
         (places.len() == 1).then(|| places[0])
     };
     let places: Vec<usize> = films.iter().map(best).collect::<Option<_>>()?;

@@ -17,15 +17,15 @@ impl Writer {
             }
             return;
         };
-        let others =
+        let other_boards =
             films.iter().filter(|other| other.board.as_ref().is_some_and(|board| board.pictures.0 >= 3)).count();
         let (count, searched) = board.pictures;
-        let seen = format!("a whole checkerboard in {count} of {searched} pictures");
-        let confidence = if others == 1 { Confidence::Certain } else { Confidence::Likely };
-        let evidence = if others == 1 {
-            format!("{seen}, and in no other film")
+        let boards_seen = format!("a whole checkerboard in {count} of {searched} pictures");
+        let confidence = if other_boards == 1 { Confidence::Certain } else { Confidence::Likely };
+        let evidence = if other_boards == 1 {
+            format!("{boards_seen}, and in no other film")
         } else {
-            format!("{seen}; other films show one too")
+            format!("{boards_seen}; other films show one too")
         };
         self.text.push_str("\n[camera]\n");
         self.file("calibration", &film.name, Guess::new(confidence, "camera.calibration", &film.name, evidence));
@@ -41,9 +41,9 @@ impl Writer {
         self.text.push_str("\n[camera.board]\n");
         let is_sure = count >= 5 && (columns + rows) % 2 == 1 && count * 2 > searched;
         let confidence = if is_sure { Confidence::Certain } else { Confidence::Likely };
-        let seen = format!("{} × {} inner corners in {count} of {searched} pictures", columns - 1, rows - 1);
-        self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &seen));
-        self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &seen));
+        let corners_seen = format!("{} × {} inner corners in {count} of {searched} pictures", columns - 1, rows - 1);
+        self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &corners_seen));
+        self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &corners_seen));
         self.question("camera.board.", "square", "nan", "m, 0.001 to 0.2; the side of a square, measured on the print");
     }
 

@@ -20,9 +20,9 @@ impl Writer {
     }
 
     fn column(&mut self, log: &Log, entry: Entry) {
-        let of = if log.kind == Kind::Pressure { "pressure" } else { "force" };
-        self.put(format_args!("\n[[log.columns]]\nquantity = {:?}\nof = {of:?}\n", entry.quantity));
-        let about = |key: &str| format!("log.columns.{of}.{}.{key}", entry.quantity);
+        let log_kind = if log.kind == Kind::Pressure { "pressure" } else { "force" };
+        self.put(format_args!("\n[[log.columns]]\nquantity = {:?}\nof = {log_kind:?}\n", entry.quantity));
+        let about = |key: &str| format!("log.columns.{log_kind}.{}.{key}", entry.quantity);
         self.line("column", Guess::new(entry.sure, about("column"), entry.place, "by its title and its numbers"));
         if let Some((unit, confidence, evidence)) = entry.unit {
             self.line("unit", Guess::new(confidence, about("unit"), format!("{unit:?}"), evidence));

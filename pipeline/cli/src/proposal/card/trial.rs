@@ -34,8 +34,8 @@ impl Writer {
         let (unit, confidence, _) = trial.pressure.pressure_unit();
         let confidence = confidence.max(Confidence::Likely);
         let about = |key: &str| format!("trial.{}.{key}", trial.id);
-        let said = numbers(channels, done, unit);
-        for (key, value, evidence) in said {
+        let entries = experiment_entries(channels, done, unit);
+        for (key, value, evidence) in entries {
             self.line(key, Guess::new(confidence, about(key), value, evidence));
         }
         if matches!(done, Experiment::Staircase { pause: None, .. }) {
@@ -64,26 +64,26 @@ impl Writer {
 }
 
 /// Keys of a trial, their values and the evidence; `unit` is that of the commands.
-fn numbers(channels: &[String], done: &Experiment, unit: &str) -> Vec<(&'static str, String, String)> {
+fn experiment_entries(channels: &[String], done: &Experiment, unit: &str) -> Vec<(&'static str, String, String)> {
     let pascals = |level: f64| (level * in_log_units(unit) * 1000.0).round() / 10.0;
     let of_commands = format!("Pa; the commands, which are in {unit}");
-    let mut said = vec![("channels", format!("{channels:?}"), "those that its log commands".to_owned())];
+    let mut entries = vec![("channels", format!("{channels:?}"), "those that its log commands".to_owned())];
     match done {
         Experiment::Staircase { levels, hold, pause } => {
             let levels: Vec<f64> = levels.iter().map(|level| pascals(*level)).collect();
-            said.push(("kind", "\"staircase\"".into(), "its levels follow each other with pauses".into()));
-            said.push(("levels", format!("{levels:?}"), of_commands));
-            said.push(("hold", format!("{hold:.3}"), "s; the median time of a level".into()));
+            entries.push(("kind", "\"staircase\"".into(), "its levels follow each other with pauses".into()));
+            entries.push(("levels", format!("{levels:?}"), of_commands));
+            entries.push(("hold", format!("{hold:.3}"), "s; the median time of a level".into()));
             let pause = pause.map(|pause| ("pause", format!("{pause:.3}"), "s; the median time between two".into()));
-            said.extend(pause);
+            entries.extend(pause);
         }
         Experiment::Flapping { amplitude, frequency, cycles } => {
             let evidence = "Hz; from the beginnings of the levels of one channel";
-            said.push(("kind", "\"flapping\"".into(), "equal levels in turn".into()));
-            said.push(("amplitude", format!("{:?}", pascals(*amplitude)), of_commands));
-            said.push(("frequency", format!("{frequency:.3}"), evidence.into()));
-            said.push(("cycles", cycles.to_string(), "levels of one channel".into()));
+            entries.push(("kind", "\"flapping\"".into(), "equal levels in turn".into()));
+            entries.push(("amplitude", format!("{:?}", pascals(*amplitude)), of_commands));
+            entries.push(("frequency", format!("{frequency:.3}"), evidence.into()));
+            entries.push(("cycles", cycles.to_string(), "levels of one channel".into()));
         }
     }
-    said
+    entries
 }
