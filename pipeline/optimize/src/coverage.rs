@@ -16,7 +16,7 @@ fn normal_probability(z: f64) -> f64 {
 }
 
 /// How many standardised errors lie within ± `half`.
-pub fn inside(errors: &[f64], half: f64) -> usize {
+pub fn count_inside(errors: &[f64], half: f64) -> usize {
     errors.iter().filter(|error| error.abs() <= half).count()
 }
 
@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn honest_errors_are_inside_as_often_as_stated_and_their_ranks_are_even() {
         let errors = normal_scores(1000);
-        let shares = HALF_WIDTHS.map(|(_, half)| inside(&errors, half));
+        let shares = HALF_WIDTHS.map(|(_, half)| count_inside(&errors, half));
         assert_eq!(shares, [680, 950]);
         assert!(rank_histogram(&errors, 10).iter().all(|count| *count == 100));
     }
@@ -80,7 +80,7 @@ mod tests {
         let errors: Vec<f64> = normal_scores(1000).iter().map(|z| 3.0 * z).collect();
         let counts = rank_histogram(&errors, 10);
         assert!(counts[0] > 300 && counts[9] > 300 && counts[5] < 60, "{counts:?}");
-        assert!(inside(&errors, HALF_WIDTHS[1].1) < 500);
+        assert!(count_inside(&errors, HALF_WIDTHS[1].1) < 500);
     }
 
     #[test]

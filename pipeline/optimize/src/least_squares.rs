@@ -101,7 +101,7 @@ impl Covariance {
     }
 
     /// The covariance times a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+    pub(crate) fn scaled_by(mut self, factor: f64) -> Self {
         self.values.iter_mut().for_each(|v| *v *= factor);
         self
     }

@@ -18,7 +18,7 @@ pub trait LeastSquaresProblem {
     /// ‖r‖² at a point, `None` where the residuals are not defined.
     fn sum_of_squares(&self, at: &Self::Point) -> Option<f64>;
     /// The point that a step leads to.
-    fn moved(&self, at: &Self::Point, step: &DVector<f64>) -> Self::Point;
+    fn after_step(&self, at: &Self::Point, step: &DVector<f64>) -> Self::Point;
     /// δ of (A + λ D) δ = b, `None` when the matrix is not positive definite; a problem whose matrix has a structure may solve by it.
     fn damped_step(&self, normal: &NormalEquations, damping: f64, scaling: Scaling) -> Option<DVector<f64>> {
         damped_step(normal.matrix.clone(), &normal.right, damping, scaling)
@@ -48,7 +48,7 @@ pub enum Scaling {
 
 impl Scaling {
     /// An entry of the diagonal of A + λ D.
-    pub fn damped(self, entry: f64, damping: f64) -> f64 {
+    pub fn damped_entry(self, entry: f64, damping: f64) -> f64 {
         match self {
             Self::Relative => entry * (1.0 + damping),
             Self::Floored(floor) => entry + damping * entry.max(floor),
@@ -95,7 +95,7 @@ pub fn minimise<P: LeastSquaresProblem>(
             break;
         }
         let step = problem.damped_step(&normal, damping, options.scaling);
-        let next_point = step.map(|step| problem.moved(&point, &step));
+        let next_point = step.map(|step| problem.after_step(&point, &step));
         let squares = next_point.as_ref().and_then(|next_point| problem.sum_of_squares(next_point)).unwrap_or(f64::NAN);
         let is_accepted = squares < normal.squares || (options.accept_equal && squares == normal.squares);
         let Some(next_point) = next_point.filter(|_| is_accepted) else {
@@ -118,7 +118,7 @@ pub fn minimise<P: LeastSquaresProblem>(
 #[allow(non_snake_case)]
 pub fn damped_step(mut A: DMatrix<f64>, b: &DVector<f64>, damping: f64, scaling: Scaling) -> Option<DVector<f64>> {
     for i in 0..A.nrows() {
-        A[(i, i)] = scaling.damped(A[(i, i)], damping);
+        A[(i, i)] = scaling.damped_entry(A[(i, i)], damping);
     }
     Some(A.cholesky()?.solve(b))
 }
@@ -165,7 +165,7 @@ impl LeastSquaresProblem for Regression<'_> {
         (self.residuals)(point).map(|values| sum_of_squares(&values))
     }
 
-    fn moved(&self, point: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
+    fn after_step(&self, point: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
         point.iter().zip(step.iter()).map(|(coordinate, change)| coordinate + change).collect()
     }
 }

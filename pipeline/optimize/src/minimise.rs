@@ -24,7 +24,7 @@ pub struct EvaluationLog {
 
 impl EvaluationLog {
     /// How many batches were asked for.
-    pub fn iterations(&self) -> usize {
+    pub fn iteration_count(&self) -> usize {
         self.entries.last().map_or(0, |t| t.iteration + 1)
     }
 }
@@ -74,6 +74,6 @@ mod tests {
     #[test]
     fn a_batch_is_one_iteration() {
         let history = history(&[(0, 3.0), (0, 1.0), (1, 2.0)]);
-        assert_eq!(history.iterations(), 2);
+        assert_eq!(history.iteration_count(), 2);
     }
 }

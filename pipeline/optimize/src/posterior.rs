@@ -30,7 +30,7 @@ impl Residuals {
     pub fn posterior(&self, parameters: usize) -> Result<Covariance, OptimiseError> {
         let by_scatter = self.covariance(parameters)?;
         let widening = by_scatter.residual_variance.max(1.0) / by_scatter.residual_variance;
-        Ok(by_scatter.scaled(widening))
+        Ok(by_scatter.scaled_by(widening))
     }
 
     /// By how much the parameters at the minimum follow when the residuals change by `change`: −(JᵀJ)⁻¹ Jᵀ change. With the change that one
@@ -39,7 +39,7 @@ impl Residuals {
     ///
     /// # Errors
     /// [`OptimiseError::Undetermined`] when JᵀJ is singular.
-    pub fn response(&self, change: &[f64], parameters: usize) -> Result<Vec<f64>, OptimiseError> {
+    pub fn parameter_response(&self, change: &[f64], parameters: usize) -> Result<Vec<f64>, OptimiseError> {
         let changed = Residuals { values: change.to_vec(), jacobian: self.jacobian.clone() };
         let singular =
             || "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
@@ -60,10 +60,10 @@ impl Covariance {
         let n = self.parameters();
         let decomposition = SymmetricEigen::new(DMatrix::from_fn(n, n, |i, j| self.of(i, j)));
         let axis = |k: usize| {
-            let along: Vec<f64> = decomposition.eigenvectors.column(k).iter().copied().collect();
-            let largest = along.iter().copied().fold(0.0, |l: f64, v| if v.abs() > l.abs() { v } else { l });
+            let direction: Vec<f64> = decomposition.eigenvectors.column(k).iter().copied().collect();
+            let largest = direction.iter().copied().fold(0.0, |l: f64, v| if v.abs() > l.abs() { v } else { l });
             let sigma = decomposition.eigenvalues[k].max(0.0).sqrt();
-            PrincipalAxis { sigma, along: along.iter().map(|v| v * largest.signum()).collect() }
+            PrincipalAxis { sigma, along: direction.iter().map(|v| v * largest.signum()).collect() }
         };
         let mut axes: Vec<PrincipalAxis> = (0..n).map(axis).collect();
         axes.sort_by(|a, b| b.sigma.total_cmp(&a.sigma));
@@ -111,7 +111,7 @@ pub fn integrated_correlation(series: &[f64]) -> f64 {
 }
 
 /// Principal axes of a `count` × `count` covariance, each as long as its standard deviation: independent errors whose squares add up to it.
-pub fn deviations(count: usize, covariance: &dyn Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+pub fn principal_deviations(count: usize, covariance: &dyn Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
     let decomposition = SymmetricEigen::new(DMatrix::from_fn(count, count, covariance));
     let axis = |k: usize| {
         decomposition.eigenvectors.column(k).iter().map(|v| v * decomposition.eigenvalues[k].max(0.0).sqrt()).collect()
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn the_deviations_of_a_covariance_give_it_back() {
-        let axes = deviations(2, &|i, j| [[0.01, -0.024], [-0.024, 0.09]][i][j]);
+        let axes = principal_deviations(2, &|i, j| [[0.01, -0.024], [-0.024, 0.09]][i][j]);
         let of = |i: usize, j: usize| axes.iter().map(|a| a[i] * a[j]).sum::<f64>();
         assert!((of(0, 0) - 0.01).abs() < 1e-12 && (of(1, 1) - 0.09).abs() < 1e-12 && (of(0, 1) + 0.024).abs() < 1e-12);
     }
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_change_that_a_parameter_can_undo_is_answered_by_minus_that_parameter() {
-        let response = residuals(1.0, 3.0).response(&[0.2, 0.6, 0.0], 2).unwrap();
+        let response = residuals(1.0, 3.0).parameter_response(&[0.2, 0.6, 0.0], 2).unwrap();
         // the changes are those of 0.2 in the first parameter: 0.2 × (1, 3)
         assert!((response[0] + 0.2).abs() < 1e-12 && response[1].abs() < 1e-12, "{response:?}");
     }

@@ -21,7 +21,7 @@ impl Bounds {
     }
 
     /// Whether a point lies in the box, its faces included.
-    pub fn contain(&self, point: &[f64]) -> bool {
+    pub fn contains_point(&self, point: &[f64]) -> bool {
         point.len() == self.low.len() && self.clamp(point) == point
     }
 }
@@ -122,6 +122,6 @@ mod tests {
     fn a_clamped_point_lies_on_the_nearest_face() {
         let unit = bounds(-1.0, 1.0);
         assert_eq!(unit.clamp(&[-4.0, 0.5]), vec![-1.0, 0.5]);
-        assert!(unit.contain(&[-1.0, 1.0]) && !unit.contain(&[0.0, 1.1]));
+        assert!(unit.contains_point(&[-1.0, 1.0]) && !unit.contains_point(&[0.0, 1.1]));
     }
 }

@@ -53,7 +53,7 @@ impl Whitening {
             return Err(OptimiseError::Length { what: "a common cause", found: cause.len(), expected });
         }
         let columns = DMatrix::from_fn(expected, causes.len(), |i, k| causes[k][i]);
-        let whitened = self.blockwise(&columns, solved_lower);
+        let whitened = self.for_each_block(&columns, solved_lower);
         let decomposition = SymmetricEigen::new(whitened.tr_mul(&whitened));
         Ok(Self {
             common: whitened * &decomposition.eigenvectors,
@@ -63,7 +63,7 @@ impl Whitening {
     }
 
     /// `operation` each factor and the rows of its block.
-    fn blockwise(
+    fn for_each_block(
         &self,
         rows: &DMatrix<f64>,
         operation: fn(&DMatrix<f64>, DMatrix<f64>) -> DMatrix<f64>,
@@ -101,8 +101,9 @@ impl Whitening {
         if white.values.len() < expected || white.jacobian.len() < expected * parameters {
             return Err(OptimiseError::Length { what: "the list of residuals", found: white.values.len(), expected });
         }
-        let root = |rows: DMatrix<f64>| self.blockwise(&self.common_power(&rows, 0.5), |factor, block| factor * block);
-        Ok(self.transformed(white, parameters, root))
+        let root =
+            |rows: DMatrix<f64>| self.for_each_block(&self.common_power(&rows, 0.5), |factor, block| factor * block);
+        Ok(self.transform_rows(white, parameters, root))
     }
 
     /// M⁻¹ r and M⁻¹ J.
@@ -114,11 +115,12 @@ impl Whitening {
         if found != expected || raw.jacobian.len() != found * parameters {
             return Err(OptimiseError::Length { what: "the list of residuals", found, expected });
         }
-        Ok(self.transformed(raw, parameters, |rows| self.common_power(&self.blockwise(&rows, solved_lower), -0.5)))
+        Ok(self
+            .transform_rows(raw, parameters, |rows| self.common_power(&self.for_each_block(&rows, solved_lower), -0.5)))
     }
 
     /// `transform` r and J, each as rows.
-    fn transformed(
+    fn transform_rows(
         &self,
         residuals: &Residuals,
         columns: usize,

@@ -132,7 +132,7 @@ fn a_grid_is_as_good_as_its_node_nearest_to_the_optimum() {
         let nearest =
             nearest.min_by(|a, b| distance(&a.at, &problem.optimum).total_cmp(&distance(&b.at, &problem.optimum)));
         assert!(history.best.loss <= nearest.unwrap().loss, "{}", problem.name);
-        assert_eq!((history.entries.len(), history.iterations()), (81 * 81, 1));
+        assert_eq!((history.entries.len(), history.iteration_count()), (81 * 81, 1));
     }
 }
 
@@ -143,7 +143,7 @@ fn no_optimiser_asks_outside_of_the_bounds() {
             let bounds = problem.problem();
             let entries = problem.solve(member.name).entries;
             assert!(
-                entries.iter().all(|t| bounds.bounds().contain(&t.evaluation.at)),
+                entries.iter().all(|t| bounds.bounds().contains_point(&t.evaluation.at)),
                 "{} {}",
                 member.name,
                 problem.name
@@ -356,7 +356,7 @@ fn an_optimiser_ends_with_its_budget_of_iterations() {
         cut_short("adam", |set| set.adam.iterations = 3),
         cut_short("cma_es", |set| set.cma_es.generations = 3),
     ] {
-        assert_eq!((log.iterations(), log.finished), (3, Finished::Budget));
+        assert_eq!((log.iteration_count(), log.finished), (3, Finished::Budget));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Calibration: the share of true values inside the stated intervals, over many specimens of the virtual bench.
 
-use optimize::coverage::{HALF_WIDTHS, inside, share_bounds};
+use optimize::coverage::{HALF_WIDTHS, count_inside, share_bounds};
 use serde::{Deserialize, Serialize};
 
 use crate::QuantityKind;
@@ -29,7 +29,7 @@ impl Coverage {
     /// The share inside the intervals of half width `half` deviations, and its bounds as if the estimates of one specimen were one:
     /// they share their recordings.
     pub fn share(&self, half: f64, specimens: usize) -> (f64, [f64; 2]) {
-        let share = inside(&self.errors, half) as f64 / self.errors.len().max(1) as f64;
+        let share = count_inside(&self.errors, half) as f64 / self.errors.len().max(1) as f64;
         (share, share_bounds(share, specimens))
     }
 }

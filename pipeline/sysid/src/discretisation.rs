@@ -66,7 +66,7 @@ fn parameter_shift(
     let mut error = misfit.white(&Residuals { values, jacobian }, parameters)?.values;
     // a prior of the parameters knows nothing of a mesh
     error.resize(white.values.len(), 0.0);
-    white.response(&error, parameters).map_err(Diagnostic::from)
+    white.parameter_response(&error, parameters).map_err(Diagnostic::from)
 }
 
 #[cfg(test)]

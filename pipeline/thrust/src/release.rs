@@ -107,7 +107,7 @@ impl Release {
                 .zip(&self.best.values)
                 .map(|(perturbed_value, value)| perturbed_value - value)
                 .collect();
-            let response = self.best.response(&change, NAMES.len())?;
+            let response = self.best.parameter_response(&change, NAMES.len())?;
             (0..2).for_each(|k| variance[k] += response[k].powi(2));
         }
         let [added, drag] = variance.map(f64::sqrt);

@@ -181,7 +181,7 @@ impl Evaluation<'_> {
         let sides = [1.0, -1.0].map(|side| wave.value_at(side, t));
         let flat = |points: &[Point2]| points.iter().flatten().copied().collect::<Vec<f64>>();
         let row = [flat(moved), flat(speed), sides.map(|s| s.value).to_vec(), sides.map(|s| s.rate).to_vec()].concat();
-        let (value, slopes) = network.slope(&row);
+        let (value, slopes) = network.prediction_and_slope(&row);
         let weight = 1.0 / (self.steps - self.settled) as f64;
         let slopes: Vec<f64> = slopes.iter().map(|slope| weight * slope).collect();
         let marks = 2 * moved.len();

@@ -143,11 +143,11 @@ fn the_readers_of_the_project_are_found() {
         readers(&functions(&code)).iter().map(|reader| reader.name.to_owned()).collect::<Vec<_>>()
     };
     for (path, names) in [
-        ("pipeline/twin/src/unpack.rs", &["unpack", "values", "assembled", "region"][..]),
+        ("pipeline/twin/src/unpack.rs", &["unpack_file", "array_values", "assemble_data", "unpack_region"][..]),
         ("pipeline/optimize/src/network/file.rs", &["from_safetensors", "tensor_values", "layer_from_file"]),
         ("pipeline/records/src/reduced.rs", &["from_files"]),
         ("pipeline/records/src/runs.rs", &["read_runs"]),
-        ("pipeline/track/src/lens/opencv/mod.rs", &["read", "matrix", "fitted"]),
+        ("pipeline/track/src/lens/opencv/mod.rs", &["read", "camera_matrix", "fit_lens"]),
     ] {
         let found = of(path);
         assert!(names.iter().all(|name| found.iter().any(|own| own == name)), "{path}: {found:?}");

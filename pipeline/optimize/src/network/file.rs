@@ -36,8 +36,8 @@ impl Network {
             insert_tensor(format!("{}.bias", 2 * i), vec![layer.outputs], &layer.bias);
         }
         let Scale { input_mean, input_spread, answer_mean, answer_spread } = &self.scale;
-        insert_tensor("input_mean".into(), vec![self.width()], input_mean);
-        insert_tensor("input_spread".into(), vec![self.width()], input_spread);
+        insert_tensor("input_mean".into(), vec![self.input_width()], input_mean);
+        insert_tensor("input_spread".into(), vec![self.input_width()], input_spread);
         insert_tensor("answer_mean".into(), vec![1], &[*answer_mean]);
         insert_tensor("answer_spread".into(), vec![1], &[*answer_spread]);
         let views = tensors.iter().map(|(name, (shape, bytes))| {

@@ -24,7 +24,7 @@ pub(super) struct LayerGradient {
 
 impl Layer {
     /// Weights and biases uniform within ±1/√inputs; `unit` draws between 0 and 1.
-    pub(crate) fn initialised(inputs: usize, outputs: usize, unit: &mut dyn FnMut() -> f32) -> Self {
+    pub(crate) fn initialised_layer(inputs: usize, outputs: usize, unit: &mut dyn FnMut() -> f32) -> Self {
         let bound = 1.0 / (inputs as f32).sqrt();
         let mut draw = |count: usize| (0..count).map(|_| bound * (2.0 * unit() - 1.0)).collect::<Vec<f32>>();
         let weight = draw(inputs * outputs);

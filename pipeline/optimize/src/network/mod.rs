@@ -29,7 +29,7 @@ pub struct Samples {
 
 impl Samples {
     /// Rows.
-    pub fn rows(&self) -> usize {
+    pub fn row_count(&self) -> usize {
         self.inputs.len() / self.width.max(1)
     }
 }
@@ -49,7 +49,7 @@ pub struct Scale {
 
 impl Scale {
     /// The scale of samples.
-    pub fn of(samples: &Samples) -> Self {
+    pub fn of_samples(samples: &Samples) -> Self {
         let column = |k: usize| samples.inputs.iter().skip(k).step_by(samples.width).map(|&v| f64::from(v));
         let inputs: Vec<(f32, f32)> =
             (0..samples.width).map(|k| mean_and_deviation(&column(k).collect::<Vec<_>>())).collect();
@@ -81,17 +81,17 @@ impl Network {
         let mut draw = ChaCha8Rng::seed_from_u64(seed);
         let sizes: Vec<usize> = [&[scale.input_mean.len()], hidden, &[1]].concat();
         let layers =
-            sizes.windows(2).map(|w| Layer::initialised(w[0], w[1], &mut || uniform_draw(&mut draw))).collect();
+            sizes.windows(2).map(|w| Layer::initialised_layer(w[0], w[1], &mut || uniform_draw(&mut draw))).collect();
         Self { layers, scale }
     }
 
     /// Inputs of one prediction.
-    pub fn width(&self) -> usize {
+    pub fn input_width(&self) -> usize {
         self.scale.input_mean.len()
     }
 
     /// Weights and biases in all.
-    pub fn parameters(&self) -> usize {
+    pub fn parameter_count(&self) -> usize {
         self.layers.iter().map(|l| l.weight.len() + l.bias.len()).sum()
     }
 
@@ -99,11 +99,11 @@ impl Network {
     pub fn predict(&self, inputs: &[f32]) -> Vec<f32> {
         let Scale { answer_mean, answer_spread, .. } = self.scale;
         // Chunks bound the memory of the hidden layers; the products of a row do not depend on the chunk.
-        let chunk = 1024 * self.width();
+        let chunk = 1024 * self.input_width();
         let targets = inputs.chunks(chunk).flat_map(|rows| {
             let standardised = self.standardised_rows(rows);
             self.layers.iter().enumerate().fold(standardised, |x, (i, layer)| {
-                let mut y = layer.forward_batch(&x, rows.len() / self.width());
+                let mut y = layer.forward_batch(&x, rows.len() / self.input_width());
                 if i + 1 < self.layers.len() {
                     layer::rectify_values(&mut y);
                 }
@@ -115,7 +115,7 @@ impl Network {
 
     /// The prediction for one row and its derivative by each input (unit of the target per unit of the input), in f64: a gradient
     /// through a simulation is compared with differences.
-    pub fn slope(&self, row: &[f64]) -> (f64, Vec<f64>) {
+    pub fn prediction_and_slope(&self, row: &[f64]) -> (f64, Vec<f64>) {
         let Scale { input_mean, input_spread, answer_mean, answer_spread } = &self.scale;
         let standardised = |k: usize| (row[k] - f64::from(input_mean[k])) / f64::from(input_spread[k]);
         let mut states: Vec<Vec<f64>> = vec![(0..row.len()).map(standardised).collect()];
@@ -139,7 +139,7 @@ impl Network {
     /// Standardised rows: width × rows, a column a sample.
     fn standardised_rows(&self, rows: &[f32]) -> Vec<f32> {
         let Scale { input_mean, input_spread, .. } = &self.scale;
-        let entries = rows.iter().enumerate().map(|(i, x)| (i % self.width(), x));
+        let entries = rows.iter().enumerate().map(|(i, x)| (i % self.input_width(), x));
         entries.map(|(k, x)| (x - input_mean[k]) / input_spread[k]).collect()
     }
 }
@@ -168,13 +168,13 @@ mod tests {
         for (seed, row) in (0..4).flat_map(|s| [[0.3, 1.1, 2.0], [-0.5, 0.2, 4.0], [0.1, 0.0, 0.0]].map(|row| (s, row)))
         {
             let network = Network::new(scale(), &[20, 30, 20], seed);
-            let (answer, slope) = network.slope(&row);
+            let (answer, slope) = network.prediction_and_slope(&row);
             assert!((answer - f64::from(network.predict(&row.map(|x| x as f32))[0])).abs() < 1e-6);
             for k in 0..3 {
                 let moved = |by: f64| {
                     let mut other = row;
                     other[k] += by;
-                    network.slope(&other).0
+                    network.prediction_and_slope(&other).0
                 };
                 let difference = (moved(1e-6) - moved(-1e-6)) / 2e-6;
                 assert!((difference - slope[k]).abs() < 1e-8, "{difference} {}", slope[k]);
@@ -193,14 +193,14 @@ mod tests {
     #[test]
     fn a_constant_input_is_not_scaled() {
         let samples = Samples { width: 2, inputs: vec![1.0, 5.0, 3.0, 5.0], targets: vec![1.0, 2.0] };
-        let scale = Scale::of(&samples);
+        let scale = Scale::of_samples(&samples);
         assert_eq!((scale.input_spread, scale.input_mean), (vec![1.0, 1.0], vec![2.0, 5.0]));
     }
 
     #[test]
     fn a_network_has_a_weight_for_each_connection_and_a_bias_for_each_neuron() {
         // 3 → 5 → 2 → 1
-        assert_eq!(Network::new(scale(), &[5, 2], 1).parameters(), (15 + 5) + (10 + 2) + (2 + 1));
-        assert_eq!(Network::new(scale(), &[], 1).parameters(), 3 + 1);
+        assert_eq!(Network::new(scale(), &[5, 2], 1).parameter_count(), (15 + 5) + (10 + 2) + (2 + 1));
+        assert_eq!(Network::new(scale(), &[], 1).parameter_count(), 3 + 1);
     }
 }

@@ -55,7 +55,7 @@ pub fn train(
     validation: &Samples,
     observe: &mut dyn FnMut(usize, Epoch),
 ) -> Trained {
-    let mut network = Network::new(Scale::of(samples), &settings.hidden, settings.seed);
+    let mut network = Network::new(Scale::of_samples(samples), &settings.hidden, settings.seed);
     let mut best = network.clone();
     let (mut best_epoch, mut lowest_error, mut epochs) = (0, f32::INFINITY, Vec::new());
     let standardised = network.standardised_rows(&samples.inputs);
@@ -68,10 +68,10 @@ pub fn train(
         let epoch_errors = Epoch { training, validation: error };
         epochs.push(epoch_errors);
         observe(epoch, epoch_errors);
-        if error < lowest_error || validation.rows() == 0 {
+        if error < lowest_error || validation.row_count() == 0 {
             (best_epoch, lowest_error, best) = (epoch, error, network.clone());
         }
-        if validation.rows() > 0 && epoch >= best_epoch + settings.patience {
+        if validation.row_count() > 0 && epoch >= best_epoch + settings.patience {
             break;
         }
     }
@@ -82,7 +82,7 @@ fn validation_error(network: &Network, samples: &Samples) -> f32 {
     let spread = f64::from(network.scale.answer_spread);
     let predictions = network.predict(&samples.inputs);
     let squares = predictions.iter().zip(&samples.targets).map(|(f, y)| (f64::from(f - y) / spread).powi(2));
-    (squares.sum::<f64>() / samples.rows().max(1) as f64) as f32
+    (squares.sum::<f64>() / samples.row_count().max(1) as f64) as f32
 }
 
 /// β₁ and β₂, as published and as in PyTorch.
@@ -113,7 +113,7 @@ impl Trainer {
     }
 
     fn run_epoch(&mut self, network: &mut Network, standardised: &[f32], targets: &[f32], settings: &Training) -> f32 {
-        let (width, mut order) = (network.width(), (0..targets.len()).collect::<Vec<usize>>());
+        let (width, mut order) = (network.input_width(), (0..targets.len()).collect::<Vec<usize>>());
         for i in (1..order.len()).rev() {
             order.swap(i, (self.draw.next_u64() % (i as u64 + 1)) as usize);
         }
@@ -149,8 +149,8 @@ impl Trainer {
         }
         self.step_number += 1;
         for ((layer, [weight, bias]), gradient) in network.layers.iter_mut().zip(&mut self.adams).zip(&self.gradients) {
-            weight.step(&mut layer.weight, &gradient.weight, step, self.step_number);
-            bias.step(&mut layer.bias, &gradient.bias, step, self.step_number);
+            weight.update_parameters(&mut layer.weight, &gradient.weight, step, self.step_number);
+            bias.update_parameters(&mut layer.bias, &gradient.bias, step, self.step_number);
         }
         errors.iter().map(|d| f64::from(d * d)).sum()
     }
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn the_error_is_a_mean_over_the_rows() {
-        let (once, network) = (samples(5, 0.0), Network::new(Scale::of(&samples(5, 0.0)), &[4], 1));
+        let (once, network) = (samples(5, 0.0), Network::new(Scale::of_samples(&samples(5, 0.0)), &[4], 1));
         let (inputs, targets) = (once.inputs.repeat(2), once.targets.repeat(2));
         assert_eq!(
             validation_error(&network, &Samples { width: 2, inputs, targets }),
@@ -194,7 +194,7 @@ mod tests {
         let of = |factor: f32| {
             let mut scaled = samples(50, 0.0);
             scaled.targets.iter_mut().for_each(|y| *y *= factor);
-            validation_error(&Network::new(Scale::of(&scaled), &[4], 1), &scaled)
+            validation_error(&Network::new(Scale::of_samples(&scaled), &[4], 1), &scaled)
         };
         assert!((of(10.0) / of(1.0) - 1.0).abs() < 1e-3, "{} {}", of(10.0), of(1.0));
     }
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn the_gradient_of_a_batch_is_that_of_central_differences() {
         let all = samples(64, 0.0);
-        let network = Network::new(Scale::of(&all), &[16, 16], 5);
+        let network = Network::new(Scale::of_samples(&all), &[16, 16], 5);
         let (standard, scale) = (network.standardised_rows(&all.inputs), network.scale.clone());
         let targets: Vec<f32> = all.targets.iter().map(|y| (y - scale.answer_mean) / scale.answer_spread).collect();
         let mut trainer = Trainer::new(&network, &set());

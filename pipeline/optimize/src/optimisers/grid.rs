@@ -41,22 +41,22 @@ impl Grid {
             let (setting, value) = ("points_per_axis", set.points_per_axis as f64);
             return Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed: "at least 2" });
         }
-        let nodes = nodes(problem.bounds(), set.points_per_axis);
+        let nodes = grid_nodes(problem.bounds(), set.points_per_axis);
         Ok(Self { problem: problem.clone(), nodes, best: None, finished: None })
     }
 }
 
 /// The values on one axis of a grid, both ends included.
-pub fn axis(low: f64, high: f64, points: usize) -> Vec<f64> {
+pub fn axis_values(low: f64, high: f64, points: usize) -> Vec<f64> {
     let fraction = |i: usize| i as f64 / (points - 1) as f64;
     (0..points).map(|i| low * (1.0 - fraction(i)) + high * fraction(i)).collect()
 }
 
 /// All nodes of a grid (points^parameters × parameters); the last parameter varies fastest.
-pub fn nodes(bounds: &Bounds, points_per_axis: usize) -> Vec<Vec<f64>> {
+pub fn grid_nodes(bounds: &Bounds, points_per_axis: usize) -> Vec<Vec<f64>> {
     let mut nodes = vec![Vec::new()];
     for (low, high) in bounds.low.iter().zip(&bounds.high) {
-        let values = axis(*low, *high, points_per_axis);
+        let values = axis_values(*low, *high, points_per_axis);
         let extended = |node: &Vec<f64>| values.iter().map(|v| [&node[..], &[*v]].concat()).collect::<Vec<_>>();
         nodes = nodes.iter().flat_map(extended).collect();
     }
@@ -99,14 +99,14 @@ mod tests {
     #[test]
     fn a_grid_holds_every_pair_once_with_the_last_axis_fastest() {
         let bounds = Bounds { low: vec![0.0, 10.0], high: vec![1.0, 14.0] };
-        let nodes = nodes(&bounds, 3);
+        let nodes = grid_nodes(&bounds, 3);
         assert_eq!(nodes.len(), 9);
         assert_eq!(nodes[..4], [vec![0.0, 10.0], vec![0.0, 12.0], vec![0.0, 14.0], vec![0.5, 10.0]]);
     }
 
     #[test]
     fn the_ends_of_an_axis_are_exact() {
-        let axis = axis(-0.1, 0.7, 11);
+        let axis = axis_values(-0.1, 0.7, 11);
         assert_eq!((axis[0], axis[10]), (-0.1, 0.7));
     }
 }

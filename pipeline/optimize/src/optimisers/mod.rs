@@ -66,6 +66,6 @@ pub fn by_name(name: &str) -> Option<&'static Member> {
 }
 
 /// How the member of this name is called in figures and tables; an unknown one by that name.
-pub fn title(name: &str) -> &str {
+pub fn title_of(name: &str) -> &str {
     by_name(name).map_or(name, |member| member.title)
 }

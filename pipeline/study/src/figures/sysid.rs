@@ -113,7 +113,7 @@ fn convergence(comparison: &MethodComparison) -> Panel {
         let found = (1..=search.tried.len()).map(|n| [n as f64, search.loss_after(n)]);
         let lowest: Vec<Point2> = found.filter(|[_, loss]| loss.is_finite()).collect();
         let colour = palette::method(&search.method);
-        let line = Mark::line(lowest.clone(), colour).sized(1.2).labelled(optimisers::title(&search.method));
+        let line = Mark::line(lowest.clone(), colour).sized(1.2).labelled(optimisers::title_of(&search.method));
         [line, Mark::points(lowest, Marker::Disc, colour).sized(2.4)]
     });
     Panel::Axes(curves.fold(axes, Axes::with))

@@ -4,7 +4,7 @@
 //! variance.
 
 use diagnostics::Result;
-use optimize::posterior::deviations;
+use optimize::posterior::principal_deviations;
 use records::{Identified, Relaxation};
 use sysid::{Model, Viscoelastic};
 
@@ -26,7 +26,7 @@ impl Open<'_> {
     /// A [`diagnostics::Diagnostic`] when a branch is one that no solid can have.
     pub fn silicones(&self) -> Result<Vec<Viscoelastic>> {
         let moduli = &self.identified.uncertainty;
-        let axes = deviations(moduli.sigma.len(), &|i, j| moduli.on_the_same_mesh(i, j));
+        let axes = principal_deviations(moduli.sigma.len(), &|i, j| moduli.on_the_same_mesh(i, j));
         axes.iter().map(|shift| self.moduli(shift)).chain(self.strengths()).collect()
     }
 

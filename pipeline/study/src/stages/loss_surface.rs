@@ -27,7 +27,7 @@ pub(super) fn surface(
     if evaluated.is_empty() {
         return Ok((Surface::default(), Vec::new()));
     }
-    let [across, up] = [0, 1].map(|k| grid::axis(bounds.low[k], bounds.high[k], grid_points));
+    let [across, up] = [0, 1].map(|k| grid::axis_values(bounds.low[k], bounds.high[k], grid_points));
     let points: Vec<(&[f64], &[Vec<Point2>])> =
         evaluated.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
     let Some(full) = landscape::completed(&points, &across, &up) else {

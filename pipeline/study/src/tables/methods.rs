@@ -58,7 +58,7 @@ fn row(specimen: &str, search: &Search) -> Vec<String> {
     ];
     let published = published(&search.method).0;
     let pairs = ours.into_iter().zip(published).flat_map(|(a, b)| [a, b.to_string()]);
-    [specimen.to_string(), title(optimisers::title(&search.method))].into_iter().chain(pairs).collect()
+    [specimen.to_string(), title(optimisers::title_of(&search.method))].into_iter().chain(pairs).collect()
 }
 
 /// The paper's table III; empty where it has no such method.

@@ -122,7 +122,7 @@ impl Discrepancy {
             Ok(whitened)
         };
         let causes = (0..level_rows).map(level_cause).chain((level_rows..rows).map(|k| Ok(unit(k, rows))));
-        let moves = causes.map(|cause| white.response(&cause?, parameters).map_err(Diagnostic::from));
+        let moves = causes.map(|cause| white.parameter_response(&cause?, parameters).map_err(Diagnostic::from));
         let covariance = Covariance::of_errors(parameters, &moves.collect::<Result<Vec<_>>>()?);
         let mut whitened = discrepancy.apply(&raw, parameters)?;
         whitened.values.extend(&white.values[level_rows..]);
@@ -274,7 +274,7 @@ mod tests {
             let drawn =
                 truth.whitening(&levels).unwrap().invert(&Residuals { values, jacobian: Vec::new() }, 0).unwrap();
             let white = levels.white(&Residuals { jacobian: jacobian.clone(), ..drawn }, 1).unwrap();
-            (white.response(&white.values, 1).unwrap()[0], white)
+            (white.parameter_response(&white.values, 1).unwrap()[0], white)
         };
         let (_, white) = estimate(&mut draw);
         let (covariance, _) = truth.posterior(&levels, &white, 1).unwrap();

@@ -5,7 +5,7 @@
 //! predicted from both is more certain than if they were: the response of the strengths to the moduli belongs to the result.
 
 use fem::{Branch, Relaxation};
-use optimize::posterior::deviations;
+use optimize::posterior::principal_deviations;
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Second};
 
@@ -99,7 +99,7 @@ impl IdentifiedSpectrum {
 
     /// The spectrum off by `part` of a standard deviation along each principal axis of the strengths' covariance.
     pub fn deviations(&self, part: f64) -> impl Iterator<Item = Self> + '_ {
-        let axes = deviations(self.branches.len(), &|i, j| part * part * self.strength_covariance(i, j));
+        let axes = principal_deviations(self.branches.len(), &|i, j| part * part * self.strength_covariance(i, j));
         axes.into_iter().map(|deviation| self.shifted_spectrum(&deviation))
     }
 

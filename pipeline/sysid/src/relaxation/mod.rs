@@ -215,7 +215,7 @@ impl SpectrumProblem<'_> {
             let prior = vec![0.0; best.at.len()];
             let change =
                 perturbed.iter().zip(&nominal.values).map(|(perturbed, nominal)| (perturbed / sigma - nominal) / NUDGE);
-            Ok(nominal.response(&change.chain(prior).collect::<Vec<_>>(), best.at.len())?)
+            Ok(nominal.parameter_response(&change.chain(prior).collect::<Vec<_>>(), best.at.len())?)
         };
         (0..self.held.youngs_moduli.len()).into_par_iter().map(follows).collect()
     }

@@ -42,7 +42,7 @@ impl LeastSquaresProblem for Reprojection<'_> {
         Some(squared_misses(at, self.seen))
     }
 
-    fn moved(&self, at: &Guess, step: &DVector<f64>) -> Guess {
+    fn after_step(&self, at: &Guess, step: &DVector<f64>) -> Guess {
         apply_step(at, step, self.with_lens)
     }
 
@@ -51,7 +51,7 @@ impl LeastSquaresProblem for Reprojection<'_> {
             return damped_step(normal.matrix.clone(), &normal.right, damping, scaling);
         }
         let lead = normal.right.len() - OF_POSE * self.seen.len();
-        Eliminated::new(normal, lead, |entry| scaling.damped(entry, damping))?.solve()
+        Eliminated::new(normal, lead, |entry| scaling.damped_entry(entry, damping))?.solve()
     }
 }
 

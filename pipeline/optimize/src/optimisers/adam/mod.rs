@@ -87,11 +87,11 @@ impl Adam {
     }
 
     /// One step; returns the largest change of a parameter, after clamping.
-    fn step(&mut self, gradient: &[f64]) -> f64 {
+    fn take_step(&mut self, gradient: &[f64]) -> f64 {
         let alpha = self.set.step / (1.0 + self.set.step_decay * self.iteration as f64);
         self.iteration += 1;
         let mut unbounded = self.at.clone();
-        self.update.step(&mut unbounded, gradient, alpha, self.iteration as i32);
+        self.update.update_parameters(&mut unbounded, gradient, alpha, self.iteration as i32);
         // The moments are those of the unclamped gradient: on a face of the box only the normal component is cut off, and the
         // convergence test below sees the clamped step, so a minimum on a face is recognised.
         let bounded = self.problem.bounds().clamp(&unbounded);
@@ -133,7 +133,7 @@ impl Optimiser for Adam {
         self.last_solved.clone_from(&self.at);
         let gradient = checked_gradient(NAME, &self.problem, &evaluations[0], self.iteration == 0)?;
         keep_better(&mut self.best, &evaluations[0]);
-        let largest_change = self.step(gradient);
+        let largest_change = self.take_step(gradient);
         if largest_change < self.set.step_tolerance {
             self.finished = Some(Finished::Converged { because: "no parameter changes by more than the tolerance" });
         } else if self.iteration == self.set.iterations {

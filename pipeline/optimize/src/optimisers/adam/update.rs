@@ -59,7 +59,7 @@ impl<T: Real> Adam<T> {
     }
 
     /// Moves `parameters` by step `number` (from 1) of length `alpha` against the gradient.
-    pub(crate) fn step(&mut self, parameters: &mut [T], gradient: &[T], alpha: T, number: i32) {
+    pub(crate) fn update_parameters(&mut self, parameters: &mut [T], gradient: &[T], alpha: T, number: i32) {
         let [beta1, beta2] = self.decay;
         let corrections = [beta1, beta2].map(|beta| T::ONE - beta.powi(number));
         let [first, second] = [alpha / corrections[0], T::ONE / corrections[1]];
@@ -89,7 +89,7 @@ mod tests {
     fn the_first_step_has_the_given_length_against_the_gradient() {
         for correction in [BiasCorrection::OfMoments, BiasCorrection::OfStep] {
             let (mut adam, mut weights) = (Adam::new(2, [0.9_f32, 0.999], correction), [1.0, 1.0]);
-            adam.step(&mut weights, &[3.0, -0.2], 1e-3, 1);
+            adam.update_parameters(&mut weights, &[3.0, -0.2], 1e-3, 1);
             assert!((weights[0] - 0.999).abs() < 1e-6 && (weights[1] - 1.001).abs() < 1e-6);
         }
     }
@@ -98,7 +98,7 @@ mod tests {
     fn both_corrections_are_the_same_formula() {
         let path = |correction| {
             let (mut adam, mut at) = (Adam::new(1, [0.9_f64, 0.999], correction), [1.0]);
-            (1..50).for_each(|k| adam.step(&mut at, &[f64::from(k).sin()], 1e-2, k));
+            (1..50).for_each(|k| adam.update_parameters(&mut at, &[f64::from(k).sin()], 1e-2, k));
             at[0]
         };
         // a few roundings of 1e-16 a step
