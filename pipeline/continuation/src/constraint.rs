@@ -27,7 +27,7 @@ pub(crate) struct Linearised {
 }
 
 impl Constraint<'_> {
-    pub fn linearise_at(&self, u: &[f64], load_factor: f64) -> Linearised {
+    pub(crate) fn linearise_at(&self, u: &[f64], load_factor: f64) -> Linearised {
         let offset_from = |centre: &[f64]| -> Vec<f64> { u.iter().zip(centre).map(|(u, centre)| u - centre).collect() };
         match *self {
             Self::Cylinder { centre, radius } => {

@@ -42,7 +42,7 @@ impl Segment<'_> {
     }
 
     /// Whether λ turns round between its ends.
-    pub fn turns_round(&self) -> bool {
+    pub(crate) fn turns_round(&self) -> bool {
         let rate_along = |sample: &Sample| sparse::dot(&self.increment(), &sample.by_load);
         (rate_along(self.from) > 0.0) != (rate_along(self.to) > 0.0)
     }

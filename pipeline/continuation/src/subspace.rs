@@ -51,7 +51,11 @@ impl Subspace {
     }
 
     /// The eigenpairs nearest to zero first, by solves with the last factor.
-    pub fn refine_eigenpairs(&mut self, solve: &mut dyn FnMut(&mut [f64]), accuracy: Accuracy) -> Vec<Eigenpair> {
+    pub(crate) fn refine_eigenpairs(
+        &mut self,
+        solve: &mut dyn FnMut(&mut [f64]),
+        accuracy: Accuracy,
+    ) -> Vec<Eigenpair> {
         let (tolerance, max_iterations) = accuracy.limits();
         let mut values = vec![f64::INFINITY];
         self.refresh_last();

@@ -19,7 +19,7 @@ impl QuadraticFace {
     }
 
     /// Four corners, then the middles of 01, 12, 23, 30.
-    pub fn quadrilateral(nodes: [u32; 8], on: Skin) -> Self {
+    pub(crate) fn quadrilateral(nodes: [u32; 8], on: Skin) -> Self {
         Self { nodes, count: 8, on }
     }
 

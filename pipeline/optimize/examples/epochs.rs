@@ -18,6 +18,6 @@ fn main() {
     let made = train(&set, &samples(50_000), &samples(1_000), &mut |_, _| {});
     println!("{:.2} s an epoch, error {:.4}", start.elapsed().as_secs_f64() / 3.0, made.epochs[2].training);
     if let Ok(bytes) = made.network.to_safetensors() {
-        println!("{} weights, {} bytes", made.network.parameters(), bytes.len());
+        println!("{} weights, {} bytes", made.network.parameter_count(), bytes.len());
     }
 }

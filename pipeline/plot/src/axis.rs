@@ -21,7 +21,7 @@ impl Scale {
     }
 
     /// The inverse of [`Scale::to_linear`].
-    pub(crate) fn from_linear(self, linearised: f64) -> f64 {
+    pub(crate) fn value_of(self, linearised: f64) -> f64 {
         match self {
             Self::Linear => linearised,
             Self::Log => 10f64.powf(linearised),
@@ -99,7 +99,7 @@ impl Axis {
             0.0 => 0.1 * a.abs(),
             length => margin * length,
         };
-        (self.scale.from_linear(a - pad), self.scale.from_linear(b + pad))
+        (self.scale.value_of(a - pad), self.scale.value_of(b + pad))
     }
 }
 

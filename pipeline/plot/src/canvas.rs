@@ -105,12 +105,12 @@ impl TextItem {
     }
 
     /// The same text with its anchor moved.
-    pub fn shifted_by(self, shift: Point2) -> Self {
+    pub(crate) fn shifted_by(self, shift: Point2) -> Self {
         Self { at: [self.at[0] + shift[0], self.at[1] + shift[1]], ..self }
     }
 
     /// The bounding box of the text.
-    pub fn text_area(&self) -> Area {
+    pub(crate) fn text_area(&self) -> Area {
         let width = text::width(&self.text, self.size) * if self.bold { text::BOLD } else { 1.0 };
         let begin = match self.side {
             Side::Right => 0.0,
@@ -184,17 +184,17 @@ pub struct Canvas {
 
 impl Canvas {
     /// A solid or broken line.
-    pub fn draw_path(&mut self, points: Vec<Point2>, width: f64, dash: Dash, colour: Colour) {
+    pub(crate) fn draw_path(&mut self, points: Vec<Point2>, width: f64, dash: Dash, colour: Colour) {
         self.items.push(Item::Path { points, width, dash, colour, opacity: 1.0 });
     }
 
     /// A straight solid line.
-    pub fn draw_segment(&mut self, from: Point2, to: Point2, width: f64, colour: Colour) {
+    pub(crate) fn draw_segment(&mut self, from: Point2, to: Point2, width: f64, colour: Colour) {
         self.draw_path(vec![from, to], width, Dash::Solid, colour);
     }
 
     /// The outline of a rectangle.
-    pub fn draw_outline(&mut self, area: Area, width: f64, colour: Colour) {
+    pub(crate) fn draw_outline(&mut self, area: Area, width: f64, colour: Colour) {
         let mut points = area.corners();
         points.push(area.from);
         points.push([area.to[0], area.from[1]]); // the first side is repeated, so that the last corner is mitred like the others
@@ -202,12 +202,12 @@ impl Canvas {
     }
 
     /// A filled rectangle.
-    pub fn fill_area(&mut self, area: Area, colour: Colour, opacity: f64) {
+    pub(crate) fn fill_area(&mut self, area: Area, colour: Colour, opacity: f64) {
         self.items.push(Item::Polygon { points: area.corners(), colour, opacity });
     }
 
     /// A line of text.
-    pub fn draw_text(&mut self, text: TextItem) {
+    pub(crate) fn draw_text(&mut self, text: TextItem) {
         self.items.push(Item::Text(text));
     }
 }

@@ -7,7 +7,7 @@ use si::Point2;
 use crate::canvas::Area;
 
 /// The pieces of a line inside of the rectangle (Liang–Barsky, segment by segment).
-pub fn clip_line(points: &[Point2], area: &Area) -> Vec<Vec<Point2>> {
+pub(crate) fn clip_line(points: &[Point2], area: &Area) -> Vec<Vec<Point2>> {
     let mut pieces: Vec<Vec<Point2>> = Vec::new();
     for pair in points.windows(2) {
         let Some([a, b]) = clip_segment(pair[0], pair[1], area) else { continue };
@@ -20,7 +20,7 @@ pub fn clip_line(points: &[Point2], area: &Area) -> Vec<Vec<Point2>> {
 }
 
 /// The part of a segment inside of the rectangle; none when it misses it.
-pub fn clip_segment(a: Point2, b: Point2, area: &Area) -> Option<[Point2; 2]> {
+pub(crate) fn clip_segment(a: Point2, b: Point2, area: &Area) -> Option<[Point2; 2]> {
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
     for k in 0..2 {
         let step = b[k] - a[k];
@@ -50,7 +50,7 @@ pub fn clip_segment(a: Point2, b: Point2, area: &Area) -> Option<[Point2; 2]> {
 }
 
 /// The part of a polygon inside of the rectangle (Sutherland–Hodgman, side by side).
-pub fn clip_polygon(points: &[Point2], area: &Area) -> Vec<Point2> {
+pub(crate) fn clip_polygon(points: &[Point2], area: &Area) -> Vec<Point2> {
     let sides = [(0, area.from[0], 1.0), (0, area.to[0], -1.0), (1, area.from[1], 1.0), (1, area.to[1], -1.0)];
     sides.into_iter().fold(points.to_vec(), |points, (k, bound, sign)| {
         let inside = |p: Point2| sign * (p[k] - bound) >= 0.0;

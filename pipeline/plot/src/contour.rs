@@ -41,14 +41,14 @@ impl Field {
     }
 
     /// The same field on a grid `times` as fine.
-    pub fn refined_field(&self, times: usize) -> Self {
+    pub(crate) fn refined_field(&self, times: usize) -> Self {
         let (columns, rows) = ((self.columns - 1) * times + 1, (self.rows - 1) * times + 1);
         let node = |k: usize| [(k % columns) as f64 / times as f64, (k / columns) as f64 / times as f64];
         Self { columns, rows, values: (0..columns * rows).map(|k| self.interpolate(node(k))).collect() }
     }
 
     /// The contour lines of one level, in grid coordinates.
-    pub fn contour_lines(&self, level: f64) -> Vec<Vec<Point2>> {
+    pub(crate) fn contour_lines(&self, level: f64) -> Vec<Vec<Point2>> {
         let mut segments = Vec::new();
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {

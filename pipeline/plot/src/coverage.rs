@@ -7,7 +7,7 @@ use crate::clip;
 
 impl Canvas {
     /// Whether a rectangle touches anything drawn, line widths included.
-    pub fn touches_area(&self, area: &Area) -> bool {
+    pub(crate) fn touches_area(&self, area: &Area) -> bool {
         self.items.iter().any(|item| item_touches(item, area))
     }
 }

@@ -137,6 +137,6 @@ pub(crate) fn vertical_ticks(ruler: &Ruler) -> Ticks {
 }
 
 /// Width of the widest tick label.
-pub fn widest_label(ticks: &Ticks) -> f64 {
+pub(crate) fn widest_label(ticks: &Ticks) -> f64 {
     ticks.major.iter().map(|(_, t)| text::width(t, SMALL)).fold(0.0, f64::max)
 }

@@ -20,7 +20,7 @@ const BETWEEN: f64 = 8.0;
 const CLEAR: f64 = 3.0;
 
 /// The marks that are listed.
-pub fn listed_marks(marks: &[Mark]) -> Vec<&Mark> {
+pub(crate) fn listed_marks(marks: &[Mark]) -> Vec<&Mark> {
     marks.iter().filter(|m| m.label.is_some()).collect()
 }
 

@@ -27,7 +27,7 @@ impl PlotArea {
     }
 
     /// Refuses a mark with numbers that an axis cannot show.
-    pub fn check_mark(&self, mark: &Mark) -> Result<(), PlotError> {
+    pub(crate) fn check_mark(&self, mark: &Mark) -> Result<(), PlotError> {
         mark.check()?;
         for (ruler, values, name) in [(&self.x, mark.all_x(), "x"), (&self.y, mark.all_y(), "y")] {
             if let Some(&value) = values.iter().find(|v| ruler.scale == crate::Scale::Log && **v <= 0.0) {
@@ -38,7 +38,7 @@ impl PlotArea {
     }
 
     /// Draws a mark.
-    pub fn draw_mark(&self, canvas: &mut Canvas, mark: &Mark) {
+    pub(crate) fn draw_mark(&self, canvas: &mut Canvas, mark: &Mark) {
         match &mark.shape {
             Shape::Line(points) => self.draw_line(canvas, mark, points),
             Shape::Points { at, marker, error_bars } => {

@@ -51,7 +51,7 @@ impl Ruler {
     pub fn value_at(&self, place: f64) -> f64 {
         let part = (place - self.places.0) / (self.places.1 - self.places.0);
         let (a, b) = (self.scale.to_linear(self.ends.0), self.scale.to_linear(self.ends.1));
-        self.scale.from_linear(a + part * (b - a))
+        self.scale.value_of(a + part * (b - a))
     }
 
     /// Ticks at least `apart` from each other (points of print).

@@ -34,7 +34,7 @@ type Page<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 ///
 /// # Errors
 /// [`PlotError::Encoder`] when plotters refuses.
-pub fn write_svg(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
+pub(crate) fn write_svg(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
     let grid = size.map(|v| (v * GRID).round() as u32);
     let mut body = String::new();
     for run in canvas.items.chunk_by(|a, b| !is_special(a) && !is_special(b)) {

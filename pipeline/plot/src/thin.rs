@@ -12,7 +12,7 @@ const COLUMN: f64 = 0.25;
 ///
 /// Above [`MANY`] points, a line that runs to the right is first reduced to the first, lowest, highest and last point
 /// of each [`COLUMN`], which covers the same area of print.
-pub fn thin_line(points: &[Point2], tolerance: f64) -> Vec<Point2> {
+pub(crate) fn thin_line(points: &[Point2], tolerance: f64) -> Vec<Point2> {
     let rightwards = points.windows(2).all(|p| p[1][0] >= p[0][0]);
     let points = if points.len() > MANY && rightwards { column_extremes(points) } else { points.to_vec() };
     if points.len() < 3 {

@@ -34,7 +34,7 @@ impl Path {
 }
 
 /// Adds five columns a path, named `<marker>_x_<unit>` … `<marker>_yy_<unit>2`.
-pub fn pack_paths(columns: Columns, paths: &[Path], unit: &str) -> Columns {
+pub(crate) fn pack_paths(columns: Columns, paths: &[Path], unit: &str) -> Columns {
     paths.iter().fold(columns, |columns, path| {
         let name = |axis: &str| format!("{}_{axis}", path.name);
         let coordinate = |k: usize| path.at.iter().map(|p| p[k]).collect();
@@ -61,7 +61,7 @@ pub(crate) fn unpack_spread(columns: &Columns, name: &str, unit: &str) -> Result
 }
 
 /// Reads what [`pack_paths`] wrote, for the markers of these names.
-pub fn unpack_paths(columns: &Columns, names: &[String], unit: &str) -> Result<Vec<Path>, RecordError> {
+pub(crate) fn unpack_paths(columns: &Columns, names: &[String], unit: &str) -> Result<Vec<Path>, RecordError> {
     names
         .iter()
         .map(|name| {

@@ -9,11 +9,11 @@
 //! ```
 //! use rig::random::RandomStream;
 //! use rig::settings::Settings;
-//! use rig::valve::{Command, ValveDisturbance, respond};
+//! use rig::valve::{Command, ValveDisturbance, valve_response};
 //!
 //! let valve = Settings::built_in().valve;
 //! let commands = [Command { time: 0.0, pressure: 20_000.0 }];
-//! let chamber = respond(&valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(1, "valve"));
+//! let chamber = valve_response(&valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(1, "valve"));
 //! assert_eq!(chamber.at(0.0), 0.0); // dead time
 //! assert!((chamber.at(2.0) - 18_800.0).abs() < 1.0); // it settles 12 mbar below the command
 //! ```

@@ -25,7 +25,7 @@ const SEEDS: u64 = 1_000_003;
 ///
 /// # Panics
 /// When `[population] like` names no specimen of the bench, which a test excludes.
-pub fn draw_member(bench: &Settings, draw: Draw) -> Member {
+pub(crate) fn draw_member(bench: &Settings, draw: Draw) -> Member {
     let ranges = &bench.population;
     let design = specimens::ALL.iter().find(|s| s.name == ranges.like).expect("like names a specimen of the bench");
     let name = format!("tail_{:03}", draw.number);

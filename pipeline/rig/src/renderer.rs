@@ -51,7 +51,7 @@ pub struct RecordingRenderer<'a> {
 
 impl Subject {
     /// Nodes of the mesh that are visible, ascending.
-    pub fn visible_nodes(&self) -> Vec<u32> {
+    pub(crate) fn visible_nodes(&self) -> Vec<u32> {
         in_rising_order(self.skin.skin_nodes().iter().copied().chain(self.mark_nodes()))
     }
 
@@ -110,7 +110,7 @@ impl Renderer {
 
 impl RecordingRenderer<'_> {
     /// Pose of the camera.
-    pub fn camera_pose(&self) -> lab::truth::Pose {
+    pub(crate) fn camera_pose(&self) -> lab::truth::Pose {
         let Pose { rotation, translation } = self.view.camera.pose;
         lab::truth::Pose { rotation, translation }
     }

@@ -44,7 +44,7 @@ impl Console {
     }
 
     /// Prints what was solved.
-    pub fn print_summary(&self, summary: &Summary) {
+    pub(crate) fn print_summary(&self, summary: &Summary) {
         let Summary { dofs, solved, folder, .. } = summary;
         let iterations = summary.iterations.map_or(String::new(), |count| format!("{count} iterations, "));
         let (seconds, folder) = (self.began.elapsed().as_secs_f64(), folder.display());

@@ -40,7 +40,7 @@ impl Frames {
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when the folder cannot be changed.
-    pub fn begin_folder(folder: &Path, stem: &str) -> Result<Self> {
+    pub(crate) fn begin_folder(folder: &Path, stem: &str) -> Result<Self> {
         let own_list = format!("{stem}.pvd");
         let entries: Vec<_> = std::fs::read_dir(folder).map_err(|e| cannot_write(folder, &e))?.flatten().collect();
         for entry in &entries {
@@ -76,7 +76,7 @@ impl Frames {
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when a file cannot be written.
-    pub fn write_frame(&mut self, name: &str, at: f64, body: &Body, frame: &Frame) -> Result<PathBuf> {
+    pub(crate) fn write_frame(&mut self, name: &str, at: f64, body: &Body, frame: &Frame) -> Result<PathBuf> {
         let path = self.folder.join(name);
         std::fs::write(&path, vtu_text(body, frame)).map_err(|e| cannot_write(&path, &e))?;
         self.written.push((at, name.to_owned()));

@@ -104,7 +104,7 @@ impl Table {
     ///
     /// # Errors
     /// A [`Diagnostic`] when the file cannot be written.
-    pub fn write_row(&mut self, body: &Body, solver: &Solver, solved: &Solved) -> Result<()> {
+    pub(crate) fn write_row(&mut self, body: &Body, solver: &Solver, solved: &Solved) -> Result<()> {
         let Solved { at, displacement, pressures, stability } = *solved;
         let nodes = body.solid.nodes();
         let node_displacement = |node: usize| [0, 1, 2].map(|k| displacement[3 * node + k]);

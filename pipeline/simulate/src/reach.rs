@@ -25,7 +25,7 @@ impl Reach<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`] when the point is off the body.
-    pub fn nearest_node(&self, name: &str, point: Point3) -> Result<u32> {
+    pub(crate) fn nearest_node(&self, name: &str, point: Point3) -> Result<u32> {
         let distance_to = |node: &Point3| norm(sub(*node, point));
         let nodes = self.solid.nodes().iter().enumerate();
         let node = nodes.min_by(|a, b| distance_to(a.1).total_cmp(&distance_to(b.1))).map_or(0, |(node, _)| node);
@@ -49,7 +49,7 @@ impl Reach<'_> {
         ))
     }
 
-    pub fn holds_node(&self, place: &Place, node: u32) -> bool {
+    pub(crate) fn holds_node(&self, place: &Place, node: u32) -> bool {
         place.holds(self.solid.nodes()[node as usize], self.size)
     }
 
@@ -68,14 +68,14 @@ impl Reach<'_> {
     }
 
     /// Faces of the outer skin whose corners all lie in a place.
-    pub fn faces_in(&self, place: &Place) -> Vec<Vec<u32>> {
+    pub(crate) fn faces_in(&self, place: &Place) -> Vec<Vec<u32>> {
         let within = |nodes: &[u32]| nodes[..3].iter().all(|&node| self.holds_node(place, node));
         let faces = self.solid.faces().into_iter().filter(|(nodes, on)| *on == Skin::Outer && within(nodes));
         faces.map(|(nodes, _)| nodes.to_vec()).collect()
     }
 
     /// Edges of the outer skin whose ends both lie in a place: two ends, and the middle node if there is one.
-    pub fn edges_in(&self, place: &Place) -> Vec<Vec<u32>> {
+    pub(crate) fn edges_in(&self, place: &Place) -> Vec<Vec<u32>> {
         let mut edges = BTreeMap::new();
         for (nodes, _) in self.solid.faces().into_iter().filter(|face| face.1 == Skin::Outer) {
             let corners = if nodes.len() == 8 { 4 } else { 3 };

@@ -133,7 +133,7 @@ impl Gray {
     }
 
     /// Whether (x, y) (px) lies at least `margin` pixels inside the outermost pixel centres.
-    pub fn holds_with_margin(&self, [x, y]: si::Point2, margin: f64) -> bool {
+    pub(crate) fn holds_with_margin(&self, [x, y]: si::Point2, margin: f64) -> bool {
         let (right, bottom) = (self.width as f64 - 1.0, self.height as f64 - 1.0);
         x >= margin && y >= margin && x <= right - margin && y <= bottom - margin
     }

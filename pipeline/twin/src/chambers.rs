@@ -18,7 +18,7 @@ impl PressureWork {
     }
 
     /// Of these `pressures`, Pa.
-    pub fn set_pressures(&mut self, chambers: &[Chamber], pressures: &[f64]) {
+    pub(crate) fn set_pressures(&mut self, chambers: &[Chamber], pressures: &[f64]) {
         for part in [&mut self.linear, &mut self.quadratic, &mut self.cubic] {
             part.fill(0.0);
         }

@@ -51,12 +51,12 @@ impl Solid {
         Self { mu, lambda, stiffening, branches: branches.clone(), weights, gradients, single }
     }
 
-    pub fn block_count(&self) -> usize {
+    pub(crate) fn block_count(&self) -> usize {
         self.weights.len()
     }
 
     /// The constants of a step in which branches add `gain` to μ, relative.
-    pub fn constants_with_gain(&self, gain: f64) -> Constants {
+    pub(crate) fn constants_with_gain(&self, gain: f64) -> Constants {
         Constants { mu: self.mu * (1.0 + gain), lambda: self.lambda, stiffening: self.stiffening }
     }
 

@@ -66,7 +66,7 @@ impl History {
     }
 
     /// H of each block over a step: μ Σ (d Q − a S), Pa; `held` is filled.
-    pub fn hold_stress(&self, mu: f64, factors: &[Factors], held: &mut Vec<Symmetric>) {
+    pub(crate) fn hold_stress(&self, mu: f64, factors: &[Factors], held: &mut Vec<Symmetric>) {
         held.clear();
         let gain = mu * factors.iter().map(|factors| factors.gain).sum::<f64>();
         held.extend(self.tensors.chunks_exact(1 + self.branches).map(|block_tensors| {

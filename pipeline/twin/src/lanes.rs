@@ -62,7 +62,7 @@ pub(crate) fn splat(value: f64) -> Lanes {
 }
 
 /// A function of each lane.
-pub fn per_lane(value_of_lane: impl Fn(usize) -> f64) -> Lanes {
+pub(crate) fn per_lane(value_of_lane: impl Fn(usize) -> f64) -> Lanes {
     Lanes(f64x8::new(std::array::from_fn(value_of_lane)))
 }
 
@@ -92,7 +92,7 @@ impl<const K: usize> Blocks<K> {
         &self.values[block * self.coordinates..(block + 1) * self.coordinates]
     }
 
-    pub fn block_count(&self) -> usize {
+    pub(crate) fn block_count(&self) -> usize {
         self.values.len() / self.coordinates
     }
 }

@@ -153,7 +153,7 @@ impl Deformed {
 
     /// S_μ / μ = I − C⁻¹, the second Piola–Kirchhoff stress of the part that relaxes.
     #[inline(always)]
-    pub fn relaxing_stress(&self) -> Symmetric {
+    pub(crate) fn relaxing_stress(&self) -> Symmetric {
         let g = &self.cofactor;
         let product = |a: usize, b: usize| {
             (g[at(0, a)] * g[at(0, b)]).plus(g[at(1, a)], g[at(1, b)]).plus(g[at(2, a)], g[at(2, b)])

@@ -27,7 +27,7 @@ pub(crate) struct Array {
 const KEYS: [&str; 6] = ["coordinates", "points", "branches", "chambers", "sections", "outputs"];
 
 impl Counts {
-    pub fn of_data(data: &TwinData) -> Self {
+    pub(crate) fn of_data(data: &TwinData) -> Self {
         Self {
             coordinates: data.coordinates(),
             points: data.regions.iter().map(|region| region.weights.len()).collect(),
@@ -72,7 +72,7 @@ impl Counts {
 
     /// Whether a file of so many bytes and arrays can hold them.
     // Asked before memory is taken for them, and before their products are formed.
-    pub fn fit_into(&self, bytes: usize, arrays: usize) -> bool {
+    pub(crate) fn fit_into(&self, bytes: usize, arrays: usize) -> bool {
         let each = [self.coordinates, self.sections, self.outputs];
         let mut counts = each.iter().chain(&self.points).chain(&self.branches);
         counts.all(|count| *count <= bytes / size_of::<f64>()) && self.chambers.max(self.points.len()) <= arrays

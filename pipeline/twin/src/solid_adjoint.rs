@@ -57,7 +57,7 @@ impl<'a> SolidAdjoint<'a> {
     }
 
     /// Its branches over a step of `duration` seconds.
-    pub fn branch_steps(&self, duration: f64) -> Vec<BranchStep> {
+    pub(crate) fn branch_steps(&self, duration: f64) -> Vec<BranchStep> {
         let branch_step = |branch: &[f64; 2]| BranchStep {
             factors: Factors::new(*branch, duration),
             slopes: FactorSlopes::new(*branch, duration),
@@ -66,7 +66,7 @@ impl<'a> SolidAdjoint<'a> {
     }
 
     /// What acts in a step.
-    pub fn acting_in_step(&self, now: &[BranchStep], held: Vec<Symmetric>) -> Acting {
+    pub(crate) fn acting_in_step(&self, now: &[BranchStep], held: Vec<Symmetric>) -> Acting {
         Acting { constants: self.solid.constants_with_gain(now.iter().map(|by| by.factors.gain).sum()), held }
     }
 
@@ -113,7 +113,7 @@ impl<'a> SolidAdjoint<'a> {
     }
 
     /// Passes the step of the last tangent, whose residual has this adjoint.
-    pub fn pass_step(&mut self, adjoint: &[f64], acting: &Acting, now: Vec<BranchStep>) {
+    pub(crate) fn pass_step(&mut self, adjoint: &[f64], acting: &Acting, now: Vec<BranchStep>) {
         let gain = 1.0 + now.iter().map(|by| by.factors.gain).sum::<f64>();
         let of_mu = 1.0 / self.solid.mu;
         for (block, point) in self.points.iter().enumerate() {

@@ -96,7 +96,7 @@ impl Past {
     }
 
     /// Implicit Euler in the first step, then BDF2 [hairer1993], section III.5.
-    pub fn step_stencil(&self, step: f64) -> Stencil {
+    pub(crate) fn step_stencil(&self, step: f64) -> Stencil {
         match self.times.get(1).map(|then| step / (self.times[0] - then)) {
             None => Stencil { gamma: 1.0 / step, weights: [-1.0 / step, 0.0] },
             Some(r) => Stencil {

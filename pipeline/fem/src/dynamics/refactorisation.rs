@@ -19,7 +19,7 @@ impl RefactorisationPolicy {
     }
 
     /// Counts a step of so many `uses` of the factor, and whether it was `factorised` in that step.
-    pub fn count_step(&mut self, uses: usize, factorised: bool) {
+    pub(crate) fn count_step(&mut self, uses: usize, factorised: bool) {
         if factorised {
             let cost = self.factorisation_cost;
             *self = Self { factorisation_cost: cost, steps: 0.0, spent: cost, refactorise: false };

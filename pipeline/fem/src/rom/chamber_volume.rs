@@ -51,7 +51,7 @@ impl CubicVolume {
     }
 
     /// V(q), m³.
-    pub fn volume_at(&self, q: &DVector<f64>) -> CubicMetre {
+    pub(crate) fn volume_at(&self, q: &DVector<f64>) -> CubicMetre {
         self.at_rest + self.linear.dot(q) + 0.5 * q.dot(&(&self.quadratic * q)) + self.contracted(q).dot(q) / 6.0
     }
 

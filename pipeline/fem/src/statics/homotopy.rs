@@ -23,7 +23,7 @@ pub(super) struct Loads {
 
 impl Homotopy<'_> {
     /// The loads at `s`.
-    pub fn loads_at(&self, s: f64) -> Loads {
+    pub(crate) fn loads_at(&self, s: f64) -> Loads {
         match self {
             Self::Rest(pressures) => {
                 let pressures = pressures.iter().map(|pressure| s * pressure).collect();
@@ -40,7 +40,7 @@ impl Homotopy<'_> {
 }
 
 impl Loads {
-    pub fn applied_load(&self) -> AppliedLoad<'_> {
+    pub(crate) fn applied_load(&self) -> AppliedLoad<'_> {
         AppliedLoad { pressures: &self.pressures, load_factor: self.load_factor, added: self.added.as_ref() }
     }
 }

@@ -29,12 +29,12 @@ impl<'a> Part<'a> {
     }
 
     /// No sheet at all.
-    pub fn without_surface(empty: &'a Surface) -> Self {
+    pub(crate) fn without_surface(empty: &'a Surface) -> Self {
         Self { surface: empty, shells: Vec::new(), shell_of: Vec::new(), shared_edges: Vec::new() }
     }
 
     /// Sign of the normal component along the frame's normal; 0 for a wall.
-    pub fn face_direction(&self, frame: Frame, face: u32) -> i8 {
+    pub(crate) fn face_direction(&self, frame: Frame, face: u32) -> i8 {
         let normal = self.surface.normal(face as usize);
         let lean = normal[frame.normal] / norm(normal).max(f64::MIN_POSITIVE);
         if lean.abs() < WALL { 0 } else { lean.signum() as i8 }
@@ -87,7 +87,7 @@ pub(crate) struct Patch {
 
 impl Patch {
     /// Height at a plan point, and the point's distance from the patch in the plan, m.
-    pub fn height_and_distance(&self, point: Point2) -> (Metre, Metre) {
+    pub(crate) fn height_and_distance(&self, point: Point2) -> (Metre, Metre) {
         match self.flat.find([point[0], point[1], 0.0]) {
             Some(hit) => {
                 let heights = self.heights[hit.face];

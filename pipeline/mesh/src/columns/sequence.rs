@@ -44,7 +44,7 @@ impl Sampler<'_> {
     ///
     /// # Errors
     /// [`MeshError`] where a surface has an odd number of crossings, or the surfaces have a gap or an overlap.
-    pub fn region_sequences(&self, plane: &Plane) -> Result<Vec<Option<Sequence>>, MeshError> {
+    pub(crate) fn region_sequences(&self, plane: &Plane) -> Result<Vec<Option<Sequence>>, MeshError> {
         let mut votes: Vec<BTreeMap<Vec<Level>, (f64, usize)>> = vec![BTreeMap::new(); plane.region_count as usize];
         for (t, corners) in plane.triangles.iter().enumerate() {
             let [a, b, c] = corners.map(|v| plane.points[v as usize]);

@@ -55,19 +55,19 @@ impl<'a> Sheets<'a> {
     }
 
     /// Height of a sheet, from its patch nearest in the plan, m.
-    pub fn sheet_height(&self, point: Point2, sheet: u32) -> Metre {
+    pub(crate) fn sheet_height(&self, point: Point2, sheet: u32) -> Metre {
         let heights = self.members[sheet as usize].iter().map(|&p| self.patches[p as usize].height_and_distance(point));
         heights.fold((0.0, f64::INFINITY), |best, h| if h.1 < best.1 { h } else { best }).0
     }
 
     /// The sheets of a sequence and the fills between them.
-    pub fn layers_of(&self, sequence: &Sequence) -> Layers {
+    pub(crate) fn layers_of(&self, sequence: &Sequence) -> Layers {
         let sheets = sequence.levels.iter().map(|l| self.of_patch[l.patches[0] as usize]).collect();
         Layers { sheets, fills: sequence.fills.clone() }
     }
 
     /// The columns over all triangles whose region holds a solid.
-    pub fn solid_columns(&self, plane: &Plane, regions: &[Option<Sequence>]) -> Vec<Column> {
+    pub(crate) fn solid_columns(&self, plane: &Plane, regions: &[Option<Sequence>]) -> Vec<Column> {
         let column = |(corners, region): (&[u32; 3], &u32)| {
             let Layers { sheets, fills } = self.layers_of(regions[*region as usize].as_ref()?);
             Some(Column { corners: *corners, sheets, fills })

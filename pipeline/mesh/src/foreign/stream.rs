@@ -29,7 +29,7 @@ impl Stream<'_> {
     }
 
     /// The end of a section.
-    pub fn end_section(&mut self, section: &str) -> Result<(), MeshFileError> {
+    pub(crate) fn end_section(&mut self, section: &str) -> Result<(), MeshFileError> {
         let expected = format!("$End{section}");
         match self.tokens.next() {
             Some(word) if word == expected.as_bytes() => Ok(()),
@@ -59,7 +59,7 @@ impl Stream<'_> {
         }
     }
 
-    pub fn read_real(&mut self, quantity: &str) -> Result<f64, MeshFileError> {
+    pub(crate) fn read_real(&mut self, quantity: &str) -> Result<f64, MeshFileError> {
         match self.form {
             Form::Text => self.tokens.next_number(quantity),
             Form::Little => Ok(f64::from_le_bytes(self.tokens.take_bytes(quantity)?)),
@@ -68,7 +68,7 @@ impl Stream<'_> {
     }
 
     /// Skips the rest of the line of a section's name, after which binary numbers begin.
-    pub fn begin_section(&mut self) {
+    pub(crate) fn begin_section(&mut self) {
         if self.form != Form::Text {
             self.tokens.rest_of_line();
         }

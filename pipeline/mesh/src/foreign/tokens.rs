@@ -45,7 +45,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next token; `quantity` is its name in errors.
-    pub fn next_word(&mut self, quantity: &str) -> Result<&'a str, MeshFileError> {
+    pub(crate) fn next_word(&mut self, quantity: &str) -> Result<&'a str, MeshFileError> {
         let word = self.next().ok_or_else(|| self.cut_error(quantity))?;
         std::str::from_utf8(word).map_err(|_| {
             self.error(format!("{quantity} is no text"), "the bytes there are no letters", "save the mesh again")
@@ -53,7 +53,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next token as a number; `quantity` is its name in errors.
-    pub fn next_number<T: FromStr>(&mut self, quantity: &str) -> Result<T, MeshFileError> {
+    pub(crate) fn next_number<T: FromStr>(&mut self, quantity: &str) -> Result<T, MeshFileError> {
         let word = self.next_word(quantity)?;
         word.parse().map_err(|_| {
             let act = "save the mesh again; the file was cut or edited";
@@ -75,7 +75,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next `N` bytes; `quantity` is their name in errors.
-    pub fn take_bytes<const N: usize>(&mut self, quantity: &str) -> Result<[u8; N], MeshFileError> {
+    pub(crate) fn take_bytes<const N: usize>(&mut self, quantity: &str) -> Result<[u8; N], MeshFileError> {
         let chunk = self.bytes[self.at..].first_chunk::<N>().copied().ok_or_else(|| self.cut_error(quantity))?;
         self.at += N;
         Ok(chunk)
@@ -96,7 +96,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The same error with the current line.
-    pub fn with_line(&self, fault: MeshFileError) -> MeshFileError {
+    pub(crate) fn with_line(&self, fault: MeshFileError) -> MeshFileError {
         fault.at_place(format!("{}line {}: ", self.part, self.line))
     }
 

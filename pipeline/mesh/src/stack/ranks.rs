@@ -20,7 +20,7 @@ pub(crate) struct Order {
 
 impl Order {
     /// Notes that `lower` lies below `upper`.
-    pub fn note_below(&mut self, lower: u32, upper: u32) {
+    pub(crate) fn note_below(&mut self, lower: u32, upper: u32) {
         self.below.insert((lower, upper));
     }
 
@@ -42,7 +42,7 @@ impl Order {
     ///
     /// # Errors
     /// [`Cycle`] when no order exists.
-    pub fn sheet_ranks(&self, sheets: usize, gap: f64) -> Result<Vec<f64>, Cycle> {
+    pub(crate) fn sheet_ranks(&self, sheets: usize, gap: f64) -> Result<Vec<f64>, Cycle> {
         let mut waiting = vec![0usize; sheets];
         self.below.iter().for_each(|&(_, upper)| waiting[upper as usize] += 1);
         let mut ranks: Vec<f64> = (0..sheets as u32).map(|s| self.mean_height(s)).collect();

@@ -86,7 +86,7 @@ impl Network {
     }
 
     /// Inputs of one prediction.
-    pub fn input_width(&self) -> usize {
+    pub(crate) fn input_width(&self) -> usize {
         self.scale.input_mean.len()
     }
 

@@ -53,7 +53,7 @@ pub fn axis_values(low: f64, high: f64, points: usize) -> Vec<f64> {
 }
 
 /// All nodes of a grid (points^parameters × parameters); the last parameter varies fastest.
-pub fn grid_nodes(bounds: &Bounds, points_per_axis: usize) -> Vec<Vec<f64>> {
+pub(crate) fn grid_nodes(bounds: &Bounds, points_per_axis: usize) -> Vec<Vec<f64>> {
     let mut nodes = vec![Vec::new()];
     for (low, high) in bounds.low.iter().zip(&bounds.high) {
         let values = axis_values(*low, *high, points_per_axis);

@@ -53,7 +53,7 @@ impl Camera {
     }
 
     /// Place on the page.
-    pub fn page_place(&self, p: Point3) -> Point2 {
+    pub(crate) fn page_place(&self, p: Point3) -> Point2 {
         let [right, up, _] = self.basis;
         [
             self.centre[0] + self.zoom * (dot(p, right) - self.middle[0]),

@@ -33,12 +33,12 @@ impl<'a> Bar<'a> {
     }
 
     /// The fraction of the range at a value, 0 to 1 inside.
-    pub fn fraction_of(&self, value: f64) -> f64 {
+    pub(crate) fn fraction_of(&self, value: f64) -> f64 {
         Ruler { scale: self.axis.scale, ends: self.ends, places: (0.0, 1.0) }.place_of(value)
     }
 
     /// The colour of a value; grey for a missing one.
-    pub fn colour_of(&self, value: f64) -> Colour {
+    pub(crate) fn colour_of(&self, value: f64) -> Colour {
         match self.axis.scale {
             _ if !value.is_finite() => palette::MISSING,
             Scale::Log if value <= 0.0 => palette::heat(0.0),
@@ -47,7 +47,7 @@ impl<'a> Bar<'a> {
     }
 
     /// Levels of contours: the tick values of a bar of this height.
-    pub fn contour_levels(&self, height: f64) -> Vec<f64> {
+    pub(crate) fn contour_levels(&self, height: f64) -> Vec<f64> {
         vertical_ticks(&self.bar_ruler(height, 0.0)).major.into_iter().map(|(value, _)| value).collect()
     }
 
@@ -56,13 +56,13 @@ impl<'a> Bar<'a> {
     }
 
     /// The width that the bar takes to the right of a frame of this height.
-    pub fn total_width(&self, height: f64) -> f64 {
+    pub(crate) fn total_width(&self, height: f64) -> f64 {
         let numbers = widest_label(&vertical_ticks(&self.bar_ruler(height, 0.0)));
         AWAY + WIDE + GAP + GAP + numbers + GAP + NORMAL
     }
 
     /// Draws the bar to the right of a frame.
-    pub fn draw_bar(&self, canvas: &mut Canvas, frame: Area) -> Result<(), PlotError> {
+    pub(crate) fn draw_bar(&self, canvas: &mut Canvas, frame: Area) -> Result<(), PlotError> {
         let area = Area { from: [frame.to[0] + AWAY, frame.from[1]], to: [frame.to[0] + AWAY + WIDE, frame.to[1]] };
         let pixels = (0..PIXELS).map(|i| palette::heat(1.0 - i as f64 / (PIXELS - 1) as f64));
         let pixels = pixels.flat_map(|c| [c.0, c.1, c.2, 255]).collect();

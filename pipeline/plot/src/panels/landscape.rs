@@ -101,7 +101,7 @@ impl Landscape {
         Ok(if axis.range.is_some() {
             (low, high)
         } else {
-            (axis.scale.from_linear(a - half), axis.scale.from_linear(b + half))
+            (axis.scale.value_of(a - half), axis.scale.value_of(b + half))
         })
     }
 
@@ -163,7 +163,7 @@ impl Landscape {
     fn grid_value(&self, p: Point2) -> Point2 {
         let axis_value = |axis: &Axis, grid: &[f64], place: f64| {
             let (a, b) = (axis.scale.to_linear(grid[0]), axis.scale.to_linear(grid[grid.len() - 1]));
-            axis.scale.from_linear(a + place / (grid.len() - 1) as f64 * (b - a))
+            axis.scale.value_of(a + place / (grid.len() - 1) as f64 * (b - a))
         };
         [axis_value(&self.x, &self.columns, p[0]), axis_value(&self.y, &self.rows, p[1])]
     }

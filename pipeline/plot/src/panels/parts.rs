@@ -44,7 +44,7 @@ pub(crate) fn card_text(canvas: &mut Canvas, area: Area, title: &str, text: &str
 }
 
 /// A line with a bar and a head at each end.
-pub fn draw_dimension(canvas: &mut Canvas, from: Point2, to: Point2) {
+pub(crate) fn draw_dimension(canvas: &mut Canvas, from: Point2, to: Point2) {
     let way = [to[0] - from[0], to[1] - from[1]];
     let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
     let bar_offset = [-way[1] / length * BAR, way[0] / length * BAR];

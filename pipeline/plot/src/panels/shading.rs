@@ -23,7 +23,7 @@ fn place_key(p: Point3) -> Place {
 
 /// Unit normals at the corners of triangles (triangles × 3): the mean over neighbours that share the corner and are
 /// bent by less than the crease angle, weighted by area.
-pub fn corner_normals(triangles: &[[Point3; 3]]) -> Vec<[Point3; 3]> {
+pub(crate) fn corner_normals(triangles: &[[Point3; 3]]) -> Vec<[Point3; 3]> {
     let flat: Vec<Point3> = triangles.iter().map(|[a, b, c]| cross(sub(*b, *a), sub(*c, *a))).collect();
     let mut triangles_at: BTreeMap<Place, Vec<usize>> = BTreeMap::new();
     for (index, corners) in triangles.iter().enumerate() {
@@ -41,7 +41,7 @@ pub fn corner_normals(triangles: &[[Point3; 3]]) -> Vec<[Point3; 3]> {
 
 /// A colour under light from `light` (a unit vector towards the lamp), seen from `eye` (towards the eye); both sides of
 /// a surface are lit alike (Lambert's law).
-pub fn lit_colour(colour: Colour, normal: Point3, light: Point3, eye: Point3) -> Colour {
+pub(crate) fn lit_colour(colour: Colour, normal: Point3, light: Point3, eye: Point3) -> Colour {
     let facing = if dot(normal, eye) < 0.0 { scale(normal, -1.0) } else { normal };
     let direct = dot(facing, light).max(0.0);
     let bright = AMBIENT + (1.0 - AMBIENT) * direct;

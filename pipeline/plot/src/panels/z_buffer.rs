@@ -36,7 +36,7 @@ struct Samples {
 /// write to the depth buffer.
 ///
 /// An outline is drawn where the depth of solid facets jumps by more than `jump` (in the facets' unit of depth).
-pub fn render_facets(facets: &[Facet], width: usize, height: usize, jump: f64) -> Raster {
+pub(crate) fn render_facets(facets: &[Facet], width: usize, height: usize, jump: f64) -> Raster {
     let (w, h) = (width * FINE, height * FINE);
     let mut samples = Samples { width: w, height: h, depth: vec![f64::INFINITY; w * h], light: vec![[0.0; 4]; w * h] };
     facets.iter().filter(|f| f.opacity >= 1.0).for_each(|f| samples.fill_facet(f));

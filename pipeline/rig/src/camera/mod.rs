@@ -30,7 +30,7 @@ pub struct Camera {
 
 impl Camera {
     /// The camera of the settings, with focal length, lens and pose drawn near their nominal values.
-    pub fn draw_camera(set: &settings::Camera, random: &mut RandomStream) -> Self {
+    pub(crate) fn draw_camera(set: &settings::Camera, random: &mut RandomStream) -> Self {
         let fx = random.uniform(set.focal);
         let drawn_near = |random: &mut RandomStream, value: f64, spread: f64| value + random.uniform([-spread, spread]);
         let lens = Lens {
@@ -74,12 +74,12 @@ impl Camera {
     }
 
     /// Its centre of projection, m, CAD frame.
-    pub fn centre_of_projection(&self) -> Point3 {
+    pub(crate) fn centre_of_projection(&self) -> Point3 {
         self.pose.centre()
     }
 
     /// Depth of a point (m, CAD frame) in front of the camera, m.
-    pub fn depth_of_point(&self, point: Point3) -> Metre {
+    pub(crate) fn depth_of_point(&self, point: Point3) -> Metre {
         self.pose.apply(point)[2]
     }
 

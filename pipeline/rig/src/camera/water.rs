@@ -65,7 +65,7 @@ impl Water {
     }
 
     /// Slope of the surface along x and y at a place (m) and time (s), rad.
-    pub fn surface_slope(&self, [x, y]: Point2, t: Second) -> Point2 {
+    pub(crate) fn surface_slope(&self, [x, y]: Point2, t: Second) -> Point2 {
         self.waves.iter().fold([0.0; 2], |sum, wave| {
             let [kx, ky] = wave.wave_vector;
             let now = wave.slope * (kx * x + ky * y - wave.angular_frequency * t + wave.phase).cos() / kx.hypot(ky);

@@ -49,7 +49,7 @@ impl PressureSweep {
     }
 
     /// The level that is nearest to `pressure` (Pa), and its shape.
-    pub fn nearest_level(&self, pressure: Pascal) -> (Pascal, &[f64]) {
+    pub(crate) fn nearest_level(&self, pressure: Pascal) -> (Pascal, &[f64]) {
         let upper = self.pressures.partition_point(|p| *p < pressure).min(self.pressures.len() - 1);
         let lower = upper.saturating_sub(1);
         let closer = pressure - self.pressures[lower] < self.pressures[upper] - pressure;

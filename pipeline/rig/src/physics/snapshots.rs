@@ -35,7 +35,7 @@ pub struct BodyShape {
 
 impl BodyShape {
     /// What a reduced model is trained on.
-    pub fn as_snapshot(&self) -> Snapshot<'_> {
+    pub(crate) fn as_snapshot(&self) -> Snapshot<'_> {
         Snapshot { displacement: &self.displacement, regions: &[], changes: &self.directions }
     }
 }

@@ -34,12 +34,12 @@ impl Canvas {
     }
 
     /// Fills a polygon (px), which may extend beyond the picture, with `level`, weighted by each pixel's coverage.
-    pub fn fill_polygon(&mut self, polygon: &[Point2], level: f32) {
+    pub(crate) fn fill_polygon(&mut self, polygon: &[Point2], level: f32) {
         self.cover_pixels(polygon, |canvas, x, y, coverage| canvas.blend_pixel(x, y, level, coverage));
     }
 
     /// Fills a line of `width` px between two points.
-    pub fn draw_stroke(&mut self, from: Point2, to: Point2, width: f64, level: f32) {
+    pub(crate) fn draw_stroke(&mut self, from: Point2, to: Point2, width: f64, level: f32) {
         let direction = [to[0] - from[0], to[1] - from[1]];
         let half = 0.5 * width / direction[0].hypot(direction[1]).max(1e-9);
         let side = [-direction[1] * half, direction[0] * half];

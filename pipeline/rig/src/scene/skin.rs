@@ -55,7 +55,7 @@ impl Skin {
     }
 
     /// Nodes of the mesh that lie on the skin, ascending.
-    pub fn skin_nodes(&self) -> &[u32] {
+    pub(crate) fn skin_nodes(&self) -> &[u32] {
         &self.used
     }
 

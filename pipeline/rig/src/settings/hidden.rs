@@ -105,7 +105,7 @@ pub struct Mullins {
 
 impl Mullins {
     /// Modulus of a point that has been cycled up to the energy density `highest` (J/m³) over that of one that has rested, no unit.
-    pub fn softened_share(&self, highest: f64) -> f64 {
+    pub(crate) fn softened_share(&self, highest: f64) -> f64 {
         1.0 - libm::erf((1.0 - self.energy) * highest / (self.m + self.beta * highest)) / self.r
     }
 }

@@ -76,7 +76,7 @@ impl<'a> Training<'a> {
 
     /// # Errors
     /// A [`Diagnostic`] when the whole body has no equilibrium in the box, the model cannot be made, or it does not serve after so many equilibria.
-    pub fn run_training(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
+    pub(crate) fn run_training(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
         self.follow_pressures()?;
         let (mut model, mut checked, mut number) = (self.reduced_model()?, (0, 0.0_f64), 0);
         while checked.0 < CHECKS {

@@ -156,7 +156,7 @@ pub enum BoardError {
 
 impl Board {
     /// Inner corners along the first and second axis.
-    pub fn inner_corner_counts(&self) -> (usize, usize) {
+    pub(crate) fn inner_corner_counts(&self) -> (usize, usize) {
         (self.columns.saturating_sub(1), self.rows.saturating_sub(1))
     }
 

@@ -82,7 +82,7 @@ impl Calibration {
     }
 }
 
-/// Numbers of a camera: those of its lens, then turn (rad) and shift (m) of its pose as [`Pose::moved`] takes them.
+/// Numbers of a camera: those of its lens, then turn (rad) and shift (m) of its pose as [`Pose::rotated_and_shifted`] takes them.
 pub const CAMERA_PARAMETERS: usize = VALUES + 6;
 
 /// Why no lens or pose comes out.

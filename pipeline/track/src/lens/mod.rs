@@ -61,7 +61,7 @@ impl Lens {
     /// The pixel of a point in the camera's frame (m), px; none behind the camera or where the distortion has folded over.
     pub fn project(&self, [x, y, z]: Point3) -> Option<Point2> {
         let flat = [x / z, y / z];
-        (z > 0.0 && self.is_invertible(flat)).then(|| self.to_pixel(self.distort(flat)))
+        (z > 0.0 && self.is_invertible(flat)).then(|| self.pixel_at(self.distort(flat)))
     }
 
     /// The part of a picture of `size` (px) in which points of the camera's frame (m) lie: left, top, right, bottom, px.
@@ -161,7 +161,7 @@ impl Lens {
     }
 
     /// The pixel of a distorted normalised place.
-    pub(crate) fn to_pixel(&self, [x, y]: Point2) -> Point2 {
+    pub(crate) fn pixel_at(&self, [x, y]: Point2) -> Point2 {
         [self.fx * x + self.cx, self.fy * y + self.cy]
     }
 

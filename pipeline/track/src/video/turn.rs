@@ -37,7 +37,7 @@ impl Quarter {
     }
 
     /// The turned picture.
-    pub fn turn_picture(self, picture: Gray) -> Gray {
+    pub(crate) fn turn_picture(self, picture: Gray) -> Gray {
         let (w, h) = (picture.width, picture.height);
         let (width, height) = self.size((w, h));
         let source_pixel = |x: usize, y: usize| match self {

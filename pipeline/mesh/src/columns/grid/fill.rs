@@ -38,7 +38,7 @@ impl Grid<'_> {
     ///
     /// # Errors
     /// A plan point at which layers have no thickness.
-    pub fn fill_blocks(&self, wall: Metre, grading: &Grading) -> Result<QuadraticMesh, Point2> {
+    pub(crate) fn fill_blocks(&self, wall: Metre, grading: &Grading) -> Result<QuadraticMesh, Point2> {
         let cuts = self.layer_cuts(wall, grading);
         let heights: Vec<Vec<Option<Metre>>> =
             self.levels.heights.iter().map(|levels| refined_heights(levels, &cuts)).collect();

@@ -76,7 +76,7 @@ impl Layered<'_> {
     ///
     /// # Errors
     /// [`MeshError`] where rows and levels do not divide the body.
-    pub fn fill_layers(&self, edge: Metre, grading: &Grading) -> Result<QuadraticMesh, MeshError> {
+    pub(crate) fn fill_layers(&self, edge: Metre, grading: &Grading) -> Result<QuadraticMesh, MeshError> {
         let wall = self.outer_wall().unwrap_or(edge);
         let division = Division {
             inside: Rows { wall, grading }.rows_inside(self.slabs, self.layers),
