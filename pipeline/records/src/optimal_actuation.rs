@@ -21,6 +21,8 @@ pub struct OptimalActuation {
     pub best: Vec<Best>,
     /// The scan that gives the starting points.
     pub scan: Vec<ActuationPoint>,
+    /// How many further ones the reduced model could not follow.
+    pub unsolved: usize,
     /// Check of the simulator under measured pressures.
     pub check: Check,
     /// The optimal waveforms by fitted theory, over the thrust of a tail at rest; none where no log holds a filling, or where the solid's law is none of the twin's.
@@ -83,6 +85,10 @@ impl Record for OptimalActuation {
             self.check.amplitude_error_percent(),
             self.check.run
         ));
+        let unsolved = self.unsolved + self.waveforms.as_ref().map_or(0, |waveforms| waveforms.unsolved);
+        if unsolved > 0 {
+            parts.push(format!("{unsolved} square waves that the reduced model does not follow"));
+        }
         parts.join("; ")
     }
 }
@@ -107,11 +113,13 @@ mod tests {
             frequencies_hz: [1.0, 3.0],
             best: vec![best],
             scan: vec![ActuationPoint { thrust_n: vec![0.1, 0.2], ..actuation_point }],
+            unsolved: 2,
             check,
             waveforms: None,
             coordinates: 20,
         };
         assert_eq!(OptimalActuation::from_files(&optimum.to_files().unwrap()).unwrap(), optimum);
+        assert!(optimum.summary().ends_with("; 2 square waves that the reduced model does not follow"));
         assert!((optimum.check.amplitude_error_percent() - 10.0).abs() < 1e-9);
     }
 }

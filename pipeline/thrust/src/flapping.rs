@@ -125,9 +125,10 @@ pub fn mean(model: &Fitted, run: &Run) -> Newton {
 }
 
 impl Objective for MeanThrust<'_> {
+    // A wave that the reduced model does not follow is worth less than any: the ascent turns back from it.
     fn value(&mut self, wave: &SquareWave) -> Result<Newton> {
         self.simulations += 1;
-        Ok(mean(self.model, &self.flapping.run(wave)?))
+        Ok(self.flapping.run(wave).map_or(f64::NEG_INFINITY, |run| mean(self.model, &run)))
     }
 
     fn gradient(&mut self, wave: &SquareWave) -> Result<[f64; 2]> {
@@ -138,7 +139,8 @@ impl Objective for MeanThrust<'_> {
             let (lower_wave, upper_wave) = (self.limits.wave(lower, *wave), self.limits.wave(upper, *wave));
             let width = [upper_wave.amplitude - lower_wave.amplitude, upper_wave.frequency - lower_wave.frequency][k];
             let rise = self.value(&upper_wave)? - self.value(&lower_wave)?;
-            Ok(if width > 0.0 { rise / width } else { 0.0 })
+            // beside a wave that is not followed there is no slope
+            Ok(if width > 0.0 && rise.is_finite() { rise / width } else { 0.0 })
         };
         Ok([slope_along(0)?, slope_along(1)?])
     }

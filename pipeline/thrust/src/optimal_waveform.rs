@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, Metre, Newton, Pascal};
 
 use crate::Run;
+use crate::square_wave_search::solved_points;
 use crate::waveform::{Valve, Waveform};
 use crate::waveform_thrust::{Cycle, Goal, Optimum, Performance, WaveformModel};
 use diagnostics::{Diagnostic, Result};
@@ -92,9 +93,12 @@ impl WaveformModel<'_> {
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion or has no adjoint.
     pub fn optimal_waveforms(&self, recorded: &Run) -> Result<OptimalWaveforms> {
-        let squares = Self::steepest_squares();
-        let cycles: Vec<Result<Cycle>> = squares.par_iter().map(|waveform| self.last_cycle(waveform)).collect();
-        let (sweep, unsolved) = solved_cycles(squares, cycles)?;
+        let squares = Self::steepest_squares().into_par_iter();
+        let attempts = squares.map(|waveform| {
+            let cycle = self.last_cycle(&waveform)?;
+            Ok((waveform, cycle))
+        });
+        let (sweep, unsolved) = solved_points(attempts.collect())?;
         Ok(OptimalWaveforms {
             valve: self.valve,
             unsolved,
@@ -168,27 +172,6 @@ impl WaveformModel<'_> {
         let Performance { thrust, air, amplitude } = cycle.performance;
         let highest_pa = cycle.pressures.iter().flatten().copied().fold(0.0, f64::max);
         Performed { highest_pa, frequency_hz, thrust_n: thrust, air_m3_s: air, amplitude_m: amplitude }
-    }
-}
-
-/// Square waves with their cycles, and the number of those whose motion is not found: a reduced tail of thin walls does not follow every wave at the
-/// edge of the limits, and none of the others is lost for it.
-///
-/// # Errors
-/// The first [`Diagnostic`] when no motion is found at all.
-fn solved_cycles(squares: Vec<Waveform>, cycles: Vec<Result<Cycle>>) -> Result<(Vec<(Waveform, Cycle)>, usize)> {
-    let (mut solved, mut failures) = (Vec::new(), Vec::new());
-    // length: one cycle a wave
-    for (waveform, cycle) in squares.into_iter().zip(cycles) {
-        match cycle {
-            Ok(cycle) => solved.push((waveform, cycle)),
-            Err(failure) => failures.push(failure),
-        }
-    }
-    let count = failures.len();
-    match failures.into_iter().next() {
-        Some(failure) if solved.is_empty() => Err(failure),
-        _ => Ok((solved, count)),
     }
 }
 

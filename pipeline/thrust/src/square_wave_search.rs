@@ -79,11 +79,11 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// An even grid over the limits: amplitudes from half the highest, all frequencies.
+    /// An even grid over the limits: amplitudes from half the highest, all frequencies; and how many of its waves the reduced model does not follow.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when a step finds no motion.
-    pub fn scan(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<ActuationPoint>> {
+    /// A [`Diagnostic`] when it follows none.
+    pub fn scan(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<(Vec<ActuationPoint>, usize)> {
         let Self { flapping, models, limits, .. } = *self;
         let [amplitudes, frequencies] = self.scan.map(|n| n.max(1));
         let frequencies = if limits.frequency[1] > limits.frequency[0] { frequencies } else { 1 };
@@ -102,13 +102,13 @@ impl Search<'_> {
             progress(number as f64 / grid_points.len() as f64);
             Ok(actuation_point(&wave, models.iter().map(|(_, model)| mean(model, &run)).collect()))
         };
-        grid_points.par_iter().enumerate().map(scan_point).collect()
+        solved_points(grid_points.par_iter().enumerate().map(scan_point).collect())
     }
 
     /// Gradient ascent from the best point of the scan by the model at `model_index`; `filmed` is the amplitude of the tip in films, m.
     ///
     /// # Errors
-    /// As [`Search::scan`], and when nothing was scanned.
+    /// As [`Search::scan`], when nothing was scanned, and when the best wave is not followed a second time.
     pub fn ascend_from(&self, scan: &[ActuationPoint], model_index: usize, filmed: Metre) -> Result<Best> {
         let Self { flapping, models, limits, .. } = *self;
         let (kind, model) = &models[model_index];
@@ -129,6 +129,26 @@ impl Search<'_> {
             amplitude_ratio: run.amplitude_of_tip() / filmed,
             simulations,
         })
+    }
+}
+
+/// What was found, and how much was not: a reduced tail of thin walls does not follow every wave at the edge of the limits, and none of the others is
+/// lost for it.
+///
+/// # Errors
+/// The first [`Diagnostic`] when nothing was found.
+pub(crate) fn solved_points<T>(attempts: Vec<Result<T>>) -> Result<(Vec<T>, usize)> {
+    let (mut solved, mut failures) = (Vec::new(), Vec::new());
+    for attempt in attempts {
+        match attempt {
+            Ok(point) => solved.push(point),
+            Err(failure) => failures.push(failure),
+        }
+    }
+    let count = failures.len();
+    match failures.into_iter().next() {
+        Some(failure) if solved.is_empty() => Err(failure),
+        _ => Ok((solved, count)),
     }
 }
 
@@ -173,4 +193,16 @@ pub fn check(flapping: &FlappingModel, theory: &Fitted, run: &Run) -> Result<Che
 /// The highest measured pressure of a run, Pa: below the command where a half cycle is too short to fill the chamber.
 pub fn highest(run: &Run) -> Pascal {
     run.pressure.iter().flatten().copied().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_found_is_counted_and_is_an_error_where_nothing_is() {
+        let failure = || Err(Diagnostic::new("no step is found", "why", "do"));
+        assert_eq!(solved_points(vec![Ok(1), failure(), Ok(3)]).unwrap(), (vec![1, 3], 1));
+        assert_eq!(solved_points::<i32>(vec![failure(), failure()]).unwrap_err().what, "no step is found");
+    }
 }

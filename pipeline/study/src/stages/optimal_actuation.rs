@@ -85,7 +85,7 @@ impl Stage for OptimalActuation {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, (Thrust, Maybe<Drag>, IdentificationTrials<Motion>));
     type Makes = Record;
     const DESCRIPTION: &'static str = "the actuation of greatest mean thrust is optimised";
-    const VERSION: u32 = 12;
+    const VERSION: u32 = 13;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let ((mesh, identified, reduced), relaxation, (thrust, Maybe(water), films)) = needs;
@@ -110,7 +110,7 @@ impl Stage for OptimalActuation {
         };
         let models = models(&thrust)?;
         let search = Search { flapping: &flapping, models: &models, limits, sharpness: set.sharpness, scan: set.scan };
-        let scan = search.scan(&|part| context.progress(0.2 + 0.3 * part, "scanning"))?;
+        let (scan, unsolved) = search.scan(&|part| context.progress(0.2 + 0.3 * part, "scanning"))?;
         context.progress(0.5, "gradient ascent");
         let filmed = thrust.runs.iter().map(Run::amplitude_of_tip).fold(f64::MIN_POSITIVE, f64::max);
         let optimised = |place: usize| search.ascend_from(&scan, place, filmed);
@@ -127,6 +127,7 @@ impl Stage for OptimalActuation {
             frequencies_hz: limits.frequency,
             best,
             scan,
+            unsolved,
             check: check(&flapping, &models[0].1, recorded)?,
             coordinates: reduced_body.coordinates(),
         })
