@@ -31,6 +31,8 @@ const SLOW: f64 = 360.0;
 const LEAST: f64 = 1e-11;
 /// Times that a step is halved at most.
 const HALVINGS: usize = 6;
+/// Shortest part of a change that is left of an iterate that is taken back.
+const SHORTEST_PART: f64 = 1e-3;
 /// Steps, and γ, that differ by less than this, relative, are equal: times are sums that round.
 const SAME: f64 = 1e-9;
 
@@ -246,6 +248,10 @@ impl<'a> Equations<'a> {
     fn solve_step(&self, state: &mut TwinState, time: f64) -> Result<(Vec<f64>, Vec<Stresses>), TwinError> {
         let mut q = state.past.initial_guess(time);
         let (mut residual, mut stresses) = self.residual(&q, &mut state.work);
+        if !is_finite(&residual) {
+            q = state.coordinates().to_vec();
+            (residual, stresses) = self.residual(&q, &mut state.work);
+        }
         let fits = |lagged: &Lagged| (lagged.gamma / self.stencil.gamma - 1.0).abs() < SAME;
         let mut lagged = state.lagged.take().filter(fits);
         let loosest_tolerance = self.twin.tolerance;
@@ -270,8 +276,27 @@ impl<'a> Equations<'a> {
                 break;
             }
             (residual, stresses) = self.residual(&q, &mut state.work);
+            if !is_finite(&residual) {
+                (residual, stresses, lagged) = self.taken_back((&mut q, &change), &mut state.work);
+            }
         }
         Err(failed(size))
+    }
+
+    /// Forces and stresses where an iterate `q` is taken back along its last `change` by halves until no point is turned inside out; what was known of
+    /// the tangent is dropped.
+    fn taken_back(
+        &self,
+        (q, change): (&mut Vec<f64>, &[f64]),
+        work: &mut Work,
+    ) -> (Vec<f64>, Vec<Stresses>, Option<Lagged>) {
+        let (mut part, mut forces) = (1.0, self.residual(q, work));
+        while part > SHORTEST_PART && !is_finite(&forces.0) {
+            part *= 0.5;
+            add(q, part, change);
+            forces = self.residual(q, work);
+        }
+        (forces.0, forces.1, None)
     }
 
     /// q̇ when the step ends at q.
@@ -355,4 +380,8 @@ fn largest_entry(x: &[f64]) -> f64 {
         return f64::NAN;
     }
     x.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()))
+}
+
+fn is_finite(forces: &[f64]) -> bool {
+    forces.iter().all(|force| force.is_finite())
 }
