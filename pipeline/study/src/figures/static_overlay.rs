@@ -22,9 +22,9 @@ use workflow::needs::Every;
 pub struct StaticOverlay;
 
 /// Pictures in a row, rows, and the height of a row, mm.
-const COLUMNS: usize = 3;
+const COLUMNS: usize = 4;
 const ROWS: usize = 2;
-const ROW_MM: f64 = 62.0;
+const ROW_MM: f64 = 34.0;
 /// A shape is that of a level when their pressures differ by less than this part.
 const SAME_LEVEL: f64 = 0.01;
 
@@ -34,7 +34,7 @@ impl figure::Figure for StaticOverlay {
         (Every<Mesh, Specimen>, Every<Camera, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>);
     const NAME: &'static str = "static_overlay";
     const CAPTION: &'static str = "the identified model over frames of the film at rising pressures";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 
     fn draw((Every(meshes), Every(cameras), Every(inflations), Every(examples)): Self::Needs) -> Result<Figure> {
         let (inflations, meshes) = (in_order(inflations), in_order(meshes));
