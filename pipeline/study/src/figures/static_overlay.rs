@@ -34,7 +34,7 @@ impl figure::Figure for StaticOverlay {
         (Every<Mesh, Specimen>, Every<Camera, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>);
     const NAME: &'static str = "static_overlay";
     const CAPTION: &'static str = "the identified model over frames of the film at rising pressures";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn draw((Every(meshes), Every(cameras), Every(inflations), Every(examples)): Self::Needs) -> Result<Figure> {
         let (inflations, meshes) = (in_order(inflations), in_order(meshes));
@@ -122,7 +122,7 @@ impl FilmView<'_> {
         };
         // length: the card's markers, in the film and in the mesh
         let farthest = filmed.iter().zip(model).filter_map(apart).fold(0.0, f64::max);
-        format!("{:.0} mbar: marks apart by {:.1} mm at most", pressure / MILLIBAR, farthest / MILLIMETRE)
+        format!("{:.0} mbar: {:.1} mm apart", pressure / MILLIBAR, farthest / MILLIMETRE)
     }
 
     /// Where the film's camera sees a point (m), px of the window; refraction is neglected, as the film is of a tail in air.
