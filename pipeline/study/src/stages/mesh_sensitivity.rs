@@ -76,37 +76,42 @@ impl Stage for MeshSensitivity {
         let meshes: Vec<Cells> = set.edges.iter().flat_map(tetrahedra).collect();
         let meshes = meshes.into_iter().chain(finer.iter().map(|&finer| Cells::Hexahedra { finer }));
         let meshes: Vec<Cells> = meshes.collect();
+        let films = IdentifiedFilms { card, set, found: &found };
         let row = |(number, cells): (usize, &Cells)| {
             context.progress(number as f64 / meshes.len() as f64, &cells.size());
-            result_on(card, set, cells, &found, context)
+            films.result_on(cells, context)
         };
         let rows = meshes.iter().enumerate().map(row).collect::<Result<_>>()?;
         Ok(records::MeshSensitivity { rows })
     }
 }
 
-/// The moduli on one mesh.
-fn result_on(
-    card: &Card,
-    set: &Settings,
-    cells: &Cells,
-    found: &Identified,
-    context: &dyn StageContext,
-) -> Result<MeshResult> {
-    let (made, found) = match cells {
-        Cells::Tetrahedra { edge, .. } => {
-            (mesh::with_edge(&card.mesh, *edge, context)?, found.clone().up_to(set.pressure_fraction))
-        }
-        Cells::Hexahedra { finer } => {
-            (mesh::with_finer_cells(&card.mesh, (set.edges[0], *finer), context)?, found.clone())
-        }
-    };
-    let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
-    let model = model(&card.body, &made, cells.nodes(), &found)?;
-    let dofs = 3 * model.system.mesh().nodes.len();
-    let locks = matches!(cells, Cells::Tetrahedra { .. });
-    let best = moduli(set, (&model, locks), &levels, &found)?;
-    Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: point(&found, &best.at) })
+/// The films of a specimen with what was identified from them on the study's mesh.
+struct IdentifiedFilms<'a> {
+    card: &'a Card,
+    set: &'a Settings,
+    found: &'a Identified,
+}
+
+impl IdentifiedFilms<'_> {
+    /// The moduli on another mesh.
+    fn result_on(&self, cells: &Cells, context: &dyn StageContext) -> Result<MeshResult> {
+        let Self { card, set, found } = *self;
+        let (made, found) = match cells {
+            Cells::Tetrahedra { edge, .. } => {
+                (mesh::with_edge(&card.mesh, *edge, context)?, found.clone().up_to(set.pressure_fraction))
+            }
+            Cells::Hexahedra { finer } => {
+                (mesh::with_finer_cells(&card.mesh, (set.edges[0], *finer), context)?, found.clone())
+            }
+        };
+        let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
+        let model = model(&card.body, &made, cells.nodes(), &found)?;
+        let dofs = 3 * model.system.mesh().nodes.len();
+        let locks = matches!(cells, Cells::Tetrahedra { .. });
+        let best = moduli(set, (&model, locks), &levels, &found)?;
+        Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: point(&found, &best.at) })
+    }
 }
 
 fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<Model> {
