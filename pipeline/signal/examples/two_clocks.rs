@@ -10,10 +10,10 @@ const SWITCHINGS: [f64; 4] = [1.013, 4.207, 7.731, 11.109];
 const SCALE: f64 = 1.0002;
 const OFFSET: f64 = -0.35;
 
-/// The lamp's brightness, each sample the mean over an exposure (s) around it.
+/// The lamp's brightness, each sample the mean over an exposure (s) that begins with it.
 fn sampled(rate: f64, exposure: f64, switchings: [f64; 4]) -> Option<Series> {
     let lit = |time: f64| {
-        let share = |on: f64| ((time - on) / exposure + 0.5).clamp(0.0, 1.0);
+        let share = |on: f64| ((time - on) / exposure + 1.0).clamp(0.0, 1.0);
         // it is lit for a second after each
         switchings.iter().map(|&on| share(on) - share(on + 1.0)).sum::<f64>()
     };
