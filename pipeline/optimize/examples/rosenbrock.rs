@@ -1,4 +1,4 @@
-//! CMA-ES on Rosenbrock's valley: the optimiser asks for points and is told their losses, so that they may be simulated anywhere and in any order.
+//! CMA-ES on Rosenbrock's valley: the optimiser asks for points and receives their losses, so that they may be simulated anywhere and in any order.
 
 use optimize::optimisers::cma_es::{CmaEs, Settings};
 use optimize::{Bounds, Evaluation, Needs, OptimiseError, Problem, minimise};
