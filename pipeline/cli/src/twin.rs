@@ -57,8 +57,7 @@ pub fn export(runner: &Runner, name: &str, folder: Option<&Path>) -> Result<Expo
     })?;
     let data = study::live::twin(runner, specimen, None)?;
     let folder = folder.map_or_else(|| runner.folders.base().join("twin").join(name), Path::to_owned);
-    let data_files =
-        [ExportedFile::new(ARRAYS, twin::file::bytes(&data)?), ExportedFile::new(PAGE, twin::file::page(&data))];
+    let data_files = [ExportedFile::new(ARRAYS, twin::file::bytes(&data)?), ExportedFile::new(PAGE, data.page()?)];
     let sources = twin::package::files().into_iter().map(|(path, text)| match path.starts_with(EXAMPLES) {
         true => ExportedFile::template(path, text),
         false => ExportedFile::new(path, text),

@@ -41,6 +41,7 @@ from softfish._project import Project, Record
 from softfish._reduced import ReducedGradient, ReducedModel, ReducedState, ReducedStaticGradient
 from softfish._results import CriticalPoint, Equilibrium, Gradient, Inputs, Motion, Path
 from softfish._solver import Material, Solver
+from softfish._twin import Twin, TwinState
 
 if TYPE_CHECKING:
     from softfish._jax import JaxFunction
@@ -80,6 +81,8 @@ __all__ = [
     "ReducedStaticGradient",
     "Solver",
     "Tracks",
+    "Twin",
+    "TwinState",
     "calibrate",
     "fit",
     "track",

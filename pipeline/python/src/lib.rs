@@ -21,6 +21,7 @@ mod reduced;
 mod solver;
 mod statics;
 mod threads;
+mod twin;
 
 use pyo3::prelude::*;
 
@@ -33,6 +34,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<solver::Solver>()?;
     module.add_class::<motion::Trajectory>()?;
     module.add_class::<reduced::ReducedModel>()?;
+    module.add_class::<twin::Twin>()?;
+    module.add_class::<twin::TwinState>()?;
     module.add_function(wrap_pyfunction!(case::run_case, module)?)?;
     module.add_function(wrap_pyfunction!(camera::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(film::track, module)?)?;

@@ -3,16 +3,17 @@
 use diagnostics::Result;
 use hydro::Coefficients;
 use publish::page::{LiveTail, LiveTrial};
-use si::Point2;
+use si::{Pascal, Point2, Point3};
 use sysid::{Body, ReducedBody};
 use thrust::outline::Outline;
 use thrust::real_time::{Surroundings, twin_data};
 use twin::TwinData;
-use workflow::needs::{Maybe, Needs, read_one};
+use workflow::needs::{Maybe, Needs, RecordId, read_one};
 use workflow::record::Record;
 use workflow::runner::Store;
 
 use crate::Runner;
+use crate::stages::reduce::idle_chambers;
 use records::subject::{Specimen, Trial};
 use records::{Drag, Identified, Mesh, Motion, Reduced, Relaxation, Validation};
 
@@ -50,7 +51,48 @@ pub fn twin(runner: &Runner, specimen: &Specimen, rest: Option<&[Point2]>) -> Re
     let names: Vec<String> = (0..stations.len()).map(|i| format!("station{i}")).collect();
     let markers = specimen.card.marker.iter().map(|marker| marker.name.as_str());
     let outputs: Vec<(&str, usize)> = markers.chain(names.iter().map(String::as_str)).zip(0..).collect();
-    twin_data(&reduced_body, water.as_ref(), &outputs)
+    let mut data = twin_data(&reduced_body, water.as_ref(), &outputs)?;
+    let points: Vec<Point3> = model.markers.iter().map(|spot| spot.at(&mesh.solid.nodes)).collect();
+    let arrays = reduced_body.model().arrays();
+    let solids: Vec<&str> = arrays.regions.iter().map(|region| identified.solids[region.region].as_str()).collect();
+    name_parts(&mut data, (&solids, &points));
+    limit_pressures(&mut data, specimen, reduced.highest);
+    Ok(TwinData { half, provenance: provenance(runner, specimen, &records), ..data })
+}
+
+/// Gives regions their solids' names, and outputs the places of their `points` at rest, x and y of each in turn.
+fn name_parts(data: &mut TwinData, (solids, points): (&[&str], &[Point3])) {
+    for (region, solid) in data.regions.iter_mut().zip(solids) {
+        region.name = (*solid).to_owned();
+    }
+    for (output, at_rest) in data.outputs.iter_mut().zip(points.iter().flat_map(|[x, y, _]| [x, y])) {
+        output.at_rest = *at_rest;
+    }
+}
+
+/// Gives chambers the names of their channels, numbered where several share one, and the pressures that the tail was reduced under: up to the
+/// `highest`, Pa, and none in a chamber that no trial fills.
+fn limit_pressures(data: &mut TwinData, specimen: &Specimen, highest: Pascal) {
+    let (chambers, idle) = (&specimen.card.chamber, idle_chambers(specimen));
+    for (number, chamber) in data.chambers.iter_mut().enumerate() {
+        let channel = &chambers[number].channel;
+        let is_shared = chambers.iter().filter(|other| other.channel == *channel).count() > 1;
+        chamber.name = if is_shared { format!("{channel}_{number}") } else { channel.clone() };
+        chamber.range = [0.0, if idle.contains(&number) { 0.0 } else { highest }];
+    }
+}
+
+/// Where a twin comes from: specimen, profile, version, and the content of each record that it is made from.
+fn provenance(runner: &Runner, specimen: &Specimen, records: &[RecordId]) -> Vec<(String, String)> {
+    let store = Store::new(&runner.folders);
+    let content = |id: &RecordId| {
+        let hash = store.find(id).manifest().map(|manifest| manifest.content.clone()).unwrap_or_default();
+        (format!("record {id}"), hash)
+    };
+    let program = env!("CARGO_PKG_VERSION").to_owned();
+    let (specimen, profile) = (specimen.card.name.clone(), runner.profile.name().to_owned());
+    let named = [("specimen", specimen), ("profile", profile), ("version", program)];
+    named.map(|(key, value)| (key.to_owned(), value)).into_iter().chain(records.iter().map(content)).collect()
 }
 
 /// The tails that can move on the page, each beside a validation trial in its medium.

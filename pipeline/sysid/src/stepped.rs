@@ -1,8 +1,8 @@
 //! A reduced body as a [`Twin`], which evaluates eight cubature points at once and sums its tangent in single precision.
 
 use fem::{ReducedRegion, Relaxation, Scheme};
-use nalgebra::{DMatrix, DVector};
-use twin::{Chamber, Region, Twin, TwinData};
+use nalgebra::DVector;
+use twin::{Chamber, Output, Region, Twin, TwinData};
 
 use crate::reduced::{ForcedMotion, ReducedBody};
 use diagnostics::{Diagnostic, Result};
@@ -19,7 +19,8 @@ impl ReducedBody {
         self.model().arrays().regions.iter().all(|region| LAWS.contains(&region.material.name()))
     }
 
-    /// Its arrays, in air; `outputs` are the markers whose displacements are named, along x and y each.
+    /// Its arrays, in air; `outputs` are the markers whose displacements are named, along x and y each. Of names, ranges and places at rest it knows
+    /// none: solids and chambers are numbered, pressures are without limit.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a law is neither neo-Hookean nor Yeoh's.
@@ -27,7 +28,9 @@ impl ReducedBody {
         let (arrays, r) = (self.model().arrays(), self.coordinates());
         let constants: Vec<_> = self.constants().collect();
         let regions = arrays.regions.iter().map(|points| (points, constants[points.region]));
-        let chamber = |(at_rest, [a, b, c]): &(f64, [&[f64]; 3])| Chamber {
+        let chamber = |(number, (at_rest, [a, b, c])): (usize, &(f64, [&[f64]; 3]))| Chamber {
+            name: format!("chamber{number}"),
+            range: Chamber::UNLIMITED,
             at_rest: *at_rest,
             linear: a.to_vec(),
             quadratic: b.to_vec(),
@@ -35,15 +38,18 @@ impl ReducedBody {
         };
         let named = |(name, marker): &(&str, usize)| {
             let rows = self.rows(&[*marker]);
-            [("x", 0), ("y", 1)].map(|(axis, k)| (format!("{name}_{axis}"), coordinate_row(&rows, k)))
+            let row = |k: usize| rows.row(k).iter().copied().collect();
+            [("x", 0), ("y", 1)].map(|(axis, k)| Output { name: format!("{name}_{axis}"), row: row(k), at_rest: 0.0 })
         };
         Ok(TwinData {
             mass: arrays.mass.to_vec(),
             size: arrays.size,
             regions: regions.map(|(points, constants)| twin_region(points, constants, r)).collect::<Result<_>>()?,
-            chambers: arrays.chambers.iter().map(chamber).collect(),
+            chambers: arrays.chambers.iter().enumerate().map(chamber).collect(),
             sections: Vec::new(),
             outputs: outputs.iter().flat_map(named).collect(),
+            half: false,
+            provenance: Vec::new(),
         })
     }
 }
@@ -73,10 +79,6 @@ impl ForcedMotion<'_> {
     }
 }
 
-fn coordinate_row(rows: &DMatrix<f64>, number: usize) -> Vec<f64> {
-    rows.row(number).iter().copied().collect()
-}
-
 fn twin_region(
     reduced_region: &ReducedRegion,
     (scale, relaxation, ratios): (f64, &Relaxation, [f64; 2]),
@@ -94,6 +96,7 @@ fn twin_region(
     // points × 9 × r to points × r × 9
     let transposed = |point: &[f64]| (0..9 * r).map(|index| point[index % 9 * r + index / 9]).collect::<Vec<_>>();
     Ok(Region {
+        name: format!("solid{}", reduced_region.region),
         mu: moduli.mu,
         lambda: moduli.lambda,
         stiffening: if reduced_region.material.is_stiffening() { moduli.stiffening } else { [0.0; 2] },

@@ -74,8 +74,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = arguments.next().ok_or("name the file of a tail, tail.safetensors")?;
     let twin = Twin::new(twin::file::read(std::path::Path::new(&file))?)?;
     let name = arguments.next().ok_or("name an output, such as m6_y")?;
-    let output = twin.outputs().position(|own| own == name).ok_or("there is no such output")?;
-    let controller = tuned(&twin, output, 2e4)?;
+    let output = twin.output_number(&name)?;
+    let highest = twin.chambers().iter().map(|chamber| chamber.range[1]).fold(2e4, f64::min);
+    let controller = tuned(&twin, output, highest)?;
     let start = std::time::Instant::now();
     let trace = follow(&twin, &controller, &|t| if t < 0.1 { 0.0 } else { 5e-3 }, 3.0)?;
     let seconds = start.elapsed().as_secs_f64();

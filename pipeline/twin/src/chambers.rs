@@ -104,6 +104,8 @@ mod tests {
         let (a, b, c) = ([1.0, -2.0, 0.5], [0.3, 0.7, -0.2], [0.4, -0.1, 0.6]);
         let column = |(i, j): (usize, usize)| c.map(|k| c[i] * c[j] * k);
         let chamber = Chamber {
+            name: "air".into(),
+            range: Chamber::UNLIMITED,
             at_rest: 2.0,
             linear: a.to_vec(),
             quadratic: b.iter().flat_map(|x| b.map(|y| x * y)).collect(),

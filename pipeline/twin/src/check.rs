@@ -1,5 +1,7 @@
 //! What the arrays of a reduced tail must be: shapes that agree, finite numbers, a mass matrix of a body, moduli of a stable solid.
 
+use std::collections::BTreeSet;
+
 use crate::data::{Region, TwinData};
 use crate::error::TwinError;
 use crate::layout::{Counts, array_numbers};
@@ -19,7 +21,10 @@ impl TwinData {
     /// The same, as the text of what is wrong; it names the array as the file does.
     pub(crate) fn find_fault(&self) -> Checked {
         self.check_lengths()?;
-        check_names(&self.outputs)?;
+        check_names("outputs", self.outputs.iter().map(|output| &*output.name))?;
+        check_names("chambers", self.chambers.iter().map(|chamber| &*chamber.name))?;
+        check_names("regions", self.regions.iter().map(|region| &*region.name))?;
+        check_provenance(&self.provenance)?;
         check_positive("size", &[self.size])?;
         check_mass(&self.mass, self.coordinates())?;
         self.regions
@@ -28,6 +33,10 @@ impl TwinData {
             .try_for_each(|(i, properties)| check_region(&format!("region{i}"), properties))?;
         for (i, chamber) in self.chambers.iter().enumerate() {
             check_positive(&format!("chamber{i}.at_rest"), &[chamber.at_rest])?;
+            let [low, high] = chamber.range;
+            if low > high {
+                return Err(format!("`chamber{i}.range` goes from {low} to {high} Pa, and must not fall"));
+            }
         }
         self.sections.iter().try_for_each(|section| not_negative("sections.by", &section.by))
     }
@@ -51,7 +60,7 @@ impl TwinData {
         }
         let slopes = self.sections.iter().map(|section| ("sections.slope", section.slope.len(), 2 * r));
         let values = self.sections.iter().map(|section| ("sections.value", section.value.len(), 2 * r));
-        let outputs = self.outputs.iter().map(|(_, row)| ("outputs", row.len(), r));
+        let outputs = self.outputs.iter().map(|output| ("outputs", output.row.len(), r));
         match slopes.chain(values).chain(outputs).find(|(_, length, required)| length != required) {
             Some((name, length, required)) => Err(format!("`{name}` has a row of {length} numbers, not {required}")),
             None => Ok(()),
@@ -59,17 +68,30 @@ impl TwinData {
     }
 }
 
-/// Names of outputs are given by themselves to a program that looks for one, and separated by commas in the file.
-fn check_names(outputs: &[(String, Vec<f64>)]) -> Checked {
-    for (number, (name, _)) in outputs.iter().enumerate() {
+/// Names are given by themselves to a program that looks for one, and separated by commas in the file.
+fn check_names<'a>(kind: &str, names: impl Iterator<Item = &'a str>) -> Checked {
+    let mut known_names = BTreeSet::new();
+    for name in names {
         if name.is_empty() || name.contains(|c: char| c == ',' || c.is_control()) {
-            return Err(format!("`outputs` has the name {name:?}, and names have letters and no comma"));
+            return Err(format!("`{kind}` has the name {name:?}, and names have letters and no comma"));
         }
-        if outputs[..number].iter().any(|(other, _)| other == name) {
-            return Err(format!("`outputs` has the name {name:?} twice"));
+        if !known_names.insert(name) {
+            return Err(format!("`{kind}` has the name {name:?} twice"));
         }
     }
     Ok(())
+}
+
+/// Keys and values are separated by `=` and `;` in the file.
+fn check_provenance(provenance: &[(String, String)]) -> Checked {
+    let is_separator = |c: char| c == ';' || c.is_control();
+    match provenance
+        .iter()
+        .find(|(key, value)| key.contains('=') || [key, value].iter().any(|x| x.contains(is_separator)))
+    {
+        Some((key, value)) => Err(format!("`provenance` has {key:?} = {value:?}, and neither may hold a separator")),
+        None => Ok(()),
+    }
 }
 
 /// Symmetric, and positive definite: the kinetic energy of every motion is positive. Shown by Cholesky's factor.

@@ -13,14 +13,31 @@ pub struct TwinData {
     pub chambers: Vec<Chamber>,
     /// Sections in still water; none: in air.
     pub sections: Vec<Section>,
-    /// Named displacements, and the row of r numbers that gives each (m per unit of q).
-    pub outputs: Vec<(String, Vec<f64>)>,
+    /// Displacements that have a name.
+    pub outputs: Vec<Output>,
+    /// Whether half of a symmetric body is modelled: chambers have half of their volume, the water half of its force.
+    pub half: bool,
+    /// Where the tail comes from, such as specimen, profile, version and records: keys and values.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// A displacement of a point along one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Its name: the point's, `_` and the axis.
+    pub name: String,
+    /// r numbers, m per unit of q.
+    pub row: Vec<f64>,
+    /// Coordinate of the point at rest along that axis, m.
+    pub at_rest: f64,
 }
 
 /// One solid at its cubature points, of ψ = μ/2 x + C₂₀ x² + C₃₀ x³ + λ/2 ln²J with x = I₁ − 3 − 2 ln J: the neo-Hookean law
 /// [bonet2008] where C₂₀ and C₃₀ are zero, Yeoh's [yeoh1993] otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
+    /// Its name on the card.
+    pub name: String,
     /// μ after all relaxation, Pa.
     pub mu: f64,
     /// λ, Pa.
@@ -38,6 +55,10 @@ pub struct Region {
 /// The volume of a chamber, V₀ + a·q + ½ B q q + ⅙ C q q q; of a half model, of the half.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chamber {
+    /// The channel that fills it.
+    pub name: String,
+    /// Lowest and highest pressure that the tail was reduced under, Pa: beyond them its shapes are unknown.
+    pub range: [f64; 2],
     /// V₀, m³.
     pub at_rest: f64,
     /// a, r.
@@ -59,6 +80,11 @@ pub struct Section {
     pub value: Vec<f64>,
     /// m, c, h, l: added mass (kg), drag (kg/m), added mass that sheds momentum (kg) and mass per length that leaves (kg/m).
     pub by: [f64; 4],
+}
+
+impl Chamber {
+    /// The range of a chamber whose pressures nobody has limited, Pa.
+    pub const UNLIMITED: [f64; 2] = [f64::MIN, f64::MAX];
 }
 
 impl TwinData {

@@ -29,6 +29,35 @@ pub enum TwinError {
         /// What is wrong.
         what: String,
     },
+    /// A pressure that the tail was not reduced under.
+    #[error(
+        "{pressure:.0} Pa in chamber `{chamber}`{}\n  why: it was reduced under {low:.0} to {high:.0} Pa, and the shapes beyond were never seen\n  do:  keep the pressure within that range, or reduce the tail under higher pressures and export it again",
+        ratio_of_largest(*pressure, *range), low = range[0], high = range[1]
+    )]
+    Pressure {
+        /// The chamber.
+        chamber: String,
+        /// Pa.
+        pressure: f64,
+        /// Lowest and highest that it was reduced under, Pa.
+        range: [f64; 2],
+    },
+    /// An output that there is not.
+    #[error("there is no output `{name}`\n  why: this tail has {names}\n  do:  name one of these")]
+    Output {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        names: String,
+    },
+    /// A saved state that cannot be read.
+    #[error(
+        "this is no saved state of this twin: {what}\n  why: a state is read by the twin that saved it, or one with the same coordinates, chambers, points and branches\n  do:  save the state again, or take one from `start`"
+    )]
+    Saved {
+        /// What is wrong.
+        what: String,
+    },
     /// A state of another twin.
     #[error(
         "the state has {} coordinates, {} chambers and {} regions; this twin has {}, {} and {}\n  why: a state is stepped by the twin that started it, or one with the same coordinates, chambers, points and branches\n  do:  take a state from `start`, or a recording from `recording`, of this twin",
@@ -60,4 +89,14 @@ pub enum TwinError {
         /// Time at the end of the step, s.
         time: f64,
     },
+}
+
+/// A pressure over the largest of its range (Pa), in words; nothing where the range is that of a vented chamber.
+fn ratio_of_largest(pressure: f64, [low, high]: [f64; 2]) -> String {
+    let largest = low.abs().max(high.abs());
+    if largest > 0.0 {
+        format!(", {:.1} times the largest that the tail was reduced under", pressure.abs() / largest)
+    } else {
+        String::new()
+    }
 }

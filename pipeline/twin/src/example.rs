@@ -1,13 +1,15 @@
 //! The arrays of an example: a clamped beam of rubber by the method of Ritz, with three bending and four axial shapes, a chamber on either side,
 //! and still water.
 
-use crate::data::{Chamber, Region, Section, TwinData};
+use crate::data::{Chamber, Output, Region, Section, TwinData};
 
 /// Length of the beam, m.
 pub const LENGTH: f64 = 0.1;
 const HEIGHT: f64 = 0.01;
 const AREA: f64 = 2e-4;
 const DENSITY: f64 = 1100.0;
+/// Highest pressure of a chamber, Pa.
+const HIGHEST: f64 = 8e4;
 /// Coordinates.
 const R: usize = 7;
 /// First derivative of a chamber's volume by the slope of the end, m³.
@@ -54,6 +56,7 @@ pub fn beam(wet: bool) -> TwinData {
     let gradients =
         places.iter().flat_map(|(x, k)| (0..R).flat_map(|m| mode_gradient(m, *x, heights[*k])).collect::<Vec<_>>());
     let region = Region {
+        name: "rubber".into(),
         mu: 7e4,
         lambda: 1e5,
         stiffening: [500.0, 50.0],
@@ -61,7 +64,9 @@ pub fn beam(wet: bool) -> TwinData {
         weights,
         gradients: gradients.collect(),
     };
-    let chamber = |sign: f64| Chamber {
+    let chamber = |(name, sign): (&str, f64)| Chamber {
+        name: name.into(),
+        range: [0.0, HIGHEST],
         at_rest: 1e-5,
         linear: (0..R).map(|m| sign * ARM * mode_shape(m, 1.0)[1][1]).collect(),
         quadratic: vec![0.0; R * R],
@@ -81,8 +86,12 @@ pub fn beam(wet: bool) -> TwinData {
         mass: shape_products(DENSITY * AREA * LENGTH),
         size: 0.02,
         regions: vec![region],
-        chambers: vec![chamber(1.0), chamber(-1.0)],
+        chambers: [("left", 1.0), ("right", -1.0)].map(chamber).to_vec(),
         sections: if wet { sections.collect() } else { vec![] },
-        outputs: vec![("tip_x".into(), row(0, 0, 1.0)), ("tip_y".into(), row(1, 0, 1.0))],
+        outputs: [("tip_x", 0, LENGTH), ("tip_y", 1, 0.0)]
+            .map(|(name, axis, at_rest)| Output { name: name.into(), row: row(axis, 0, 1.0), at_rest })
+            .to_vec(),
+        half: false,
+        provenance: vec![("example".into(), "a clamped beam of rubber".into())],
     }
 }

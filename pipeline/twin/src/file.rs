@@ -1,9 +1,8 @@
-//! A reduced tail as a file of safetensors, and a page of text that describes its arrays.
+//! A reduced tail as a file of safetensors.
 //!
 //! All arrays are of 64-bit floating-point numbers, in SI units and rows first. The metadata state how many coordinates, regions, chambers,
 //! sections and outputs there are, and their names: a file that lacks one, or has another array, is refused.
 
-use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
@@ -12,8 +11,9 @@ use safetensors::{Dtype, tensor::TensorView};
 
 use crate::data::TwinData;
 use crate::error::TwinError;
-use crate::layout::{Array, Counts, array_numbers};
-use crate::unpack::{COUNTS, OUTPUTS, unpack_file};
+use crate::layout::{Counts, array_numbers};
+use crate::metadata::json_object;
+use crate::unpack::unpack_file;
 
 /// Limit of a file that is read, bytes: a thousand times that of a tail of 40 coordinates.
 const LARGEST: u64 = 512 << 20;
@@ -77,66 +77,31 @@ pub fn bytes(data: &TwinData) -> Result<Vec<u8>, TwinError> {
     let arrays = counts.arrays().into_iter().zip(&raw);
     let views = arrays.map(|(array, bytes)| Ok((array.name, TensorView::new(Dtype::F64, array.shape, bytes)?)));
     let views = views.collect::<Result<Vec<_>, _>>();
-    let names: Vec<&str> = data.outputs.iter().map(|(name, _)| &**name).collect();
-    let named = HashMap::from([(OUTPUTS.to_owned(), names.join(","))]);
-    let bytes = views.and_then(|views| safetensors::serialize(views, Some(named)));
+    let bytes = views.and_then(|views| safetensors::serialize(views, None));
     let bytes = bytes.map_err(|e: safetensors::SafeTensorError| TwinError::Data { what: e.to_string() })?;
-    Ok(with_counts(&bytes, &counts))
+    Ok(with_metadata(&bytes, &json_object(data)))
 }
 
-/// The same content whose metadata begin with the counts.
-// Written into the header by hand: safetensors takes metadata as a hash map, whose order changes from run to run, so that two entries would
-// not always give the same bytes.
-fn with_counts(bytes: &[u8], counts: &Counts) -> Vec<u8> {
-    const BEGIN: &str = "{\"__metadata__\":{";
+/// The same content with `metadata`, a JSON object, at the begin of its header.
+fn with_metadata(bytes: &[u8], metadata: &str) -> Vec<u8> {
     let length = bytes.first_chunk().map_or(0, |length| u64::from_le_bytes(*length)) as usize;
     let (header, arrays) = bytes[size_of::<u64>()..].split_at(length);
-    let mut new_header = format!("{BEGIN}\"{COUNTS}\":\"{}\",", counts.as_text()).into_bytes();
-    new_header.extend(header[BEGIN.len()..].trim_ascii_end());
+    let mut new_header = format!("{{\"__metadata__\":{metadata},").into_bytes();
+    new_header.extend(header[1..].trim_ascii_end());
     // arrays begin at multiples of eight bytes
     new_header.resize(new_header.len().next_multiple_of(size_of::<u64>()), b' ');
     [&(new_header.len() as u64).to_le_bytes(), &*new_header, arrays].concat()
 }
 
-/// A page that describes every array of the file with its shape and unit, and the equations.
-pub fn page(data: &TwinData) -> String {
-    let line = |array: &Array| {
-        format!("{:20} {:14} {:20} {}\n", array.name, format!("{:?}", array.shape), array.unit, array.meaning)
-    };
-    let names: Vec<&str> = data.outputs.iter().map(|(name, _)| &**name).collect();
-    let arrays: String = Counts::of_data(data).arrays().iter().map(line).collect();
-    format!(
-        "{EQUATIONS}\n{:20} {:14} {:20} meaning\n{arrays}\noutputs: {}\n",
-        "array",
-        "shape",
-        "unit",
-        names.join(", ")
-    )
-}
-
-/// The equations that the arrays belong to.
-const EQUATIONS: &str = "\
-A reduced tail: arrays of 64-bit floating-point numbers in SI units, rows first.
-
-  M q'' + sum_points w G^T P(F) = sum_chambers p dV/dq + Q          F = I + G q
-
-  P   stress of the energy mu/2 x + C20 x^2 + C30 x^3 + lambda/2 (ln J)^2 with x = tr(F^T F) - 3 - 2 ln J, and of Maxwell
-      branches: S = I - C^-1 drives each, Q' + Q/time = strength dS/dt, and F times mu times their sum is added to P
-  V   volume of a chamber: at_rest + linear q + quadratic q q / 2 + cubic q q q / 6; of a half model, of the half
-  Q   of still water: with tangent t = (1, 0) + slope q, normal n = (-t_y, t_x), velocity v = value q', w = v.n, u = v.t, sum over sections of
-      value^T (-d/dt(by_0 w n) - by_1 |w| w n + by_3 (u w n - w^2 t / 2)) - slope^T by_2 (u w n - w^2 t / 2)
-
-The tail starts from rest, q = 0. Pressures are in Pa, one per chamber; displacements are outputs times q, in m.
-";
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Chamber, Region, Section, Twin};
+    use crate::{Chamber, Output, Region, Section, Twin};
 
     fn tail() -> TwinData {
         let wave = |count: usize, by: f64| (0..count).map(|k| (by + 1.7 * k as f64).sin()).collect::<Vec<f64>>();
-        let region = |branches: Vec<[f64; 2]>| Region {
+        let region = |name: &str, branches: Vec<[f64; 2]>| Region {
+            name: name.into(),
             mu: 1e5,
             lambda: 1e6,
             stiffening: [1e3, -2e2],
@@ -144,15 +109,21 @@ mod tests {
             weights: vec![1e-6; 5],
             gradients: wave(5 * 2 * 9, 0.3),
         };
-        let chamber = Chamber { at_rest: 1e-5, linear: wave(2, 0.1), quadratic: wave(4, 0.2), cubic: wave(6, 0.5) };
+        let (name, range) = ("left \"side\"".into(), [0.0, 2e4]);
+        let chamber =
+            Chamber { name, range, at_rest: 1e-5, linear: wave(2, 0.1), quadratic: wave(4, 0.2), cubic: wave(6, 0.5) };
         let section = Section { slope: wave(4, 0.4), value: wave(4, 0.9), by: [0.1, 0.2, 0.3, 0.4] };
         TwinData {
             mass: vec![1.0, 0.2, 0.2, 3.0],
             size: 2.0,
-            regions: vec![region(vec![[0.1, 0.02], [0.2, 3.0]]), region(vec![])],
+            regions: vec![region("silicone", vec![[0.1, 0.02], [0.2, 3.0]]), region("sheet", vec![])],
             chambers: vec![chamber],
             sections: vec![section],
-            outputs: vec![("tip_x".into(), wave(2, 0.7)), ("tip_y".into(), wave(2, 0.8))],
+            outputs: ["tip_x", "tip_y"]
+                .map(|name| Output { name: name.into(), row: wave(2, 0.7), at_rest: 0.1 })
+                .to_vec(),
+            half: true,
+            provenance: vec![("specimen".into(), "nemo".into()), ("version".into(), "0.1.0".into())],
         }
     }
 
@@ -166,10 +137,10 @@ mod tests {
     }
 
     #[test]
-    fn the_same_tail_gives_the_same_bytes_and_the_counts_come_first() {
+    fn the_same_tail_gives_the_same_bytes_and_words_come_first() {
         let whole = bytes(&tail()).unwrap();
         assert_eq!(bytes(&tail()).unwrap(), whole);
-        let begin = "{\"__metadata__\":{\"counts\":\"coordinates=2;points=5,5;branches=2,0;chambers=1;sections=1;outputs=2\",\"outputs\":\"tip_x,tip_y\"}";
+        let begin = r#"{"__metadata__":{"counts":"coordinates=2;points=5,5;branches=2,0;chambers=1;sections=1;outputs=2","regions":"silicone,sheet","chambers":"left \"side\"","outputs":"tip_x,tip_y","symmetry":"half","provenance":"specimen=nemo;version=0.1.0"}"#;
         assert!(whole[8..].starts_with(begin.as_bytes()), "{}", String::from_utf8_lossy(&whole[8..200]));
     }
 
@@ -183,10 +154,14 @@ mod tests {
     }
 
     #[test]
-    fn the_page_names_every_array_with_its_shape() {
-        let page = page(&tail());
-        for line in ["region0.gradients    [5, 2, 9]", "sections.by          [1, 4]", "outputs: tip_x, tip_y"] {
-            assert!(page.contains(line), "{page}");
-        }
+    fn names_that_the_file_could_not_separate_and_ranges_that_fall_are_refused() {
+        let refused = |data: TwinData| bytes(&data).unwrap_err().to_string();
+        let (mut comma, mut falling, mut separator) = (tail(), tail(), tail());
+        comma.regions[0].name = "a,b".into();
+        falling.chambers[0].range = [1.0, 0.5];
+        separator.provenance[0].1 = "x;y".into();
+        assert!(refused(comma).contains("`regions` has the name \"a,b\""));
+        assert!(refused(falling).contains("`chamber0.range`"));
+        assert!(refused(separator).contains("`provenance`"));
     }
 }

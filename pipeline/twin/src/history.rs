@@ -60,6 +60,15 @@ impl History {
         [branches, if branches == 0 { 0 } else { blocks * (1 + branches) }]
     }
 
+    /// Of saved tensors.
+    pub(crate) fn restored(branches: usize, tensors: Vec<Symmetric>) -> Self {
+        Self { branches, tensors }
+    }
+
+    pub(crate) fn tensors(&self) -> &[Symmetric] {
+        &self.tensors
+    }
+
     /// [`History::size`] of this one.
     pub(crate) fn own_size(&self) -> [usize; 2] {
         [self.branches, self.tensors.len()]

@@ -91,7 +91,8 @@ impl Counts {
             array("sections.slope", &[n, 2, r], "1", "slope of the centre line by q, along x and y"),
             array("sections.value", &[n, 2, r], "m", "displacement of the section by q, along x and y"),
             array("sections.by", &[n, 4], "kg, kg/m, kg, kg/m", "added mass, drag, shed mass, leaving mass"),
-            array("outputs", &[self.outputs, r], "m", "displacement of each named output by q"),
+            array("outputs", &[self.outputs, r], "m", "displacement of each output by q"),
+            array("outputs.at_rest", &[self.outputs], "m", "coordinate of each output's point at rest"),
         ]);
         arrays
     }
@@ -112,9 +113,10 @@ fn region_arrays(number: usize, [points, branches, r]: [usize; 3]) -> [Array; 4]
     ]
 }
 
-fn chamber_arrays(number: usize, r: usize) -> [Array; 4] {
+fn chamber_arrays(number: usize, r: usize) -> [Array; 5] {
     let (pairs, name) = (r * (r + 1) / 2, |part: &str| format!("chamber{number}.{part}"));
     [
+        array(&name("range"), &[2], "Pa", "lowest and highest pressure that it was reduced under"),
         array(&name("at_rest"), &[1], "m³", "volume at rest"),
         array(&name("linear"), &[r], "m³", "first derivative by q at rest"),
         array(&name("quadratic"), &[r, r], "m³", "second derivative"),
@@ -125,15 +127,16 @@ fn chamber_arrays(number: usize, r: usize) -> [Array; 4] {
 /// The numbers of every array, in the order of [`Counts::arrays`].
 pub(crate) fn array_numbers(data: &TwinData) -> Vec<Vec<f64>> {
     let mut numbers = vec![data.mass.clone(), vec![data.size]];
-    for Region { mu, lambda, stiffening: [c20, c30], branches, weights, gradients } in &data.regions {
+    for Region { mu, lambda, stiffening: [c20, c30], branches, weights, gradients, .. } in &data.regions {
         let flat = branches.iter().flatten().copied().collect();
         numbers.extend([vec![*mu, *lambda, *c20, *c30], flat, weights.clone(), gradients.clone()]);
     }
-    for Chamber { at_rest, linear, quadratic, cubic } in &data.chambers {
-        numbers.extend([vec![*at_rest], linear.clone(), quadratic.clone(), cubic.clone()]);
+    for Chamber { range, at_rest, linear, quadratic, cubic, .. } in &data.chambers {
+        numbers.extend([range.to_vec(), vec![*at_rest], linear.clone(), quadratic.clone(), cubic.clone()]);
     }
     let join = |part: fn(&Section) -> &[f64]| data.sections.iter().flat_map(part).copied().collect::<Vec<f64>>();
     numbers.extend([join(|s| &s.slope), join(|s| &s.value), join(|s| &s.by)]);
-    numbers.push(data.outputs.iter().flat_map(|(_, row)| row).copied().collect());
+    numbers.push(data.outputs.iter().flat_map(|output| &output.row).copied().collect());
+    numbers.push(data.outputs.iter().map(|output| output.at_rest).collect());
     numbers
 }

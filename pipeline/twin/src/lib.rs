@@ -7,14 +7,21 @@
 //! [`package`] is the crate by itself, as it is exported.
 //!
 //! ```
-//! use twin::{Chamber, Region, Twin, TwinData};
+//! use twin::{Chamber, Output, Region, Twin, TwinData};
 //!
 //! // one coordinate: a cube of rubber of 1 m³ that is stretched along x, and a chamber whose volume grows with it
 //! let along_x = vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-//! let rubber = Region { mu: 1e5, lambda: 4e5, stiffening: [0.0; 2], branches: vec![], weights: vec![1.0], gradients: along_x };
-//! let chamber = Chamber { at_rest: 1.0, linear: vec![1.0], quadratic: vec![0.0], cubic: vec![0.0] };
-//! let outputs = vec![("stretch".to_owned(), vec![1.0])];
-//! let data = TwinData { mass: vec![10.0], size: 0.1, regions: vec![rubber], chambers: vec![chamber], sections: vec![], outputs };
+//! let rubber = Region {
+//!     name: "rubber".into(), mu: 1e5, lambda: 4e5, stiffening: [0.0; 2], branches: vec![], weights: vec![1.0], gradients: along_x
+//! };
+//! let air = Chamber {
+//!     name: "air".into(), range: [0.0, 2e4], at_rest: 1.0, linear: vec![1.0], quadratic: vec![0.0], cubic: vec![0.0]
+//! };
+//! let stretch = Output { name: "end_x".into(), row: vec![1.0], at_rest: 1.0 };
+//! let data = TwinData {
+//!     mass: vec![10.0], size: 0.1, regions: vec![rubber], chambers: vec![air], sections: vec![], outputs: vec![stretch],
+//!     half: false, provenance: vec![],
+//! };
 //! let twin = Twin::new(data)?;
 //! let mut state = twin.start();
 //! for _ in 0..20 {
@@ -26,10 +33,18 @@
 //!
 //! Depends on `safetensors`, `thiserror` and `wide` (vectors of eight numbers) alone.
 
+// Without them it would step at a third of its speed, and single-precision products would round otherwise.
+#[cfg(all(target_arch = "x86_64", not(all(target_feature = "avx2", target_feature = "fma")), not(doc), not(doctest)))]
+compile_error!(
+    "the crate `twin` is built with AVX2 and FMA: put `[target.'cfg(target_arch = \"x86_64\")']` and `rustflags = [\"-C\", \"target-cpu=x86-64-v3\"]` \
+     into .cargo/config.toml of your workspace, or set RUSTFLAGS=\"-C target-cpu=x86-64-v3\""
+);
+
 mod adjoint;
 mod chambers;
 mod check;
 mod data;
+mod data_sheet;
 mod dense;
 mod elastic;
 mod error;
@@ -41,8 +56,10 @@ mod history;
 mod lanes;
 mod law;
 mod layout;
+mod metadata;
 pub mod package;
 mod recording;
+mod saved_state;
 mod single_precision;
 mod solid_adjoint;
 mod state;
@@ -51,7 +68,7 @@ mod unpack;
 mod water;
 mod water_adjoint;
 
-pub use data::{Chamber, Region, Section, TwinData};
+pub use data::{Chamber, Output, Region, Section, TwinData};
 pub use error::TwinError;
 pub use gradient::{LossGradient, MotionGradient, RegionGradient};
 pub use recording::Recording;

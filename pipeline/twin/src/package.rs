@@ -6,6 +6,7 @@ const SOURCES: &[(&str, &str)] = &[
     ("src/chambers.rs", include_str!("chambers.rs")),
     ("src/check.rs", include_str!("check.rs")),
     ("src/data.rs", include_str!("data.rs")),
+    ("src/data_sheet.rs", include_str!("data_sheet.rs")),
     ("src/dense.rs", include_str!("dense.rs")),
     ("src/elastic.rs", include_str!("elastic.rs")),
     ("src/error.rs", include_str!("error.rs")),
@@ -18,7 +19,9 @@ const SOURCES: &[(&str, &str)] = &[
     ("src/law.rs", include_str!("law.rs")),
     ("src/layout.rs", include_str!("layout.rs")),
     ("src/lib.rs", include_str!("lib.rs")),
+    ("src/metadata.rs", include_str!("metadata.rs")),
     ("src/recording.rs", include_str!("recording.rs")),
+    ("src/saved_state.rs", include_str!("saved_state.rs")),
     ("src/single_precision.rs", include_str!("single_precision.rs")),
     ("src/solid_adjoint.rs", include_str!("solid_adjoint.rs")),
     ("src/state.rs", include_str!("state.rs")),
@@ -27,17 +30,29 @@ const SOURCES: &[(&str, &str)] = &[
     ("src/water.rs", include_str!("water.rs")),
     ("src/water_adjoint.rs", include_str!("water_adjoint.rs")),
     ("examples/tip_control.rs", include_str!("../examples/tip_control.rs")),
+    ("c/src/lib.rs", include_str!("../c/lib.rs")),
+    ("c/twin.h", include_str!("../c/twin.h")),
+    ("c/tip_control.c", include_str!("../c/tip_control.c")),
 ];
 
-/// The same versions as in the project. Vectors are as wide as the processor's where the second file says so.
-const MANIFESTS: [(&str, &str); 2] = [
+/// The same versions and the same instruction set as in the project.
+const MANIFESTS: [(&str, &str); 3] = [
     (
         "Cargo.toml",
         "[package]\nname = \"twin\"\nversion = \"0.1.0\"\nedition = \"2024\"\nlicense = \"MIT OR Apache-2.0\"\n\n[dependencies]\n\
          safetensors = { version = \"=0.8.0\", default-features = false, features = [\"std\"] }\nthiserror = \"=2.0.21\"\n\
          wide = { version = \"=1.7.1\", default-features = false }\n\n[workspace]\n",
     ),
-    (".cargo/config.toml", "[build]\nrustflags = [\"-C\", \"target-cpu=native\"]\n"),
+    // a folder of its own: functions for C need unsafe code, which the crate does without
+    (
+        "c/Cargo.toml",
+        "[package]\nname = \"twin_c\"\nversion = \"0.1.0\"\nedition = \"2024\"\nlicense = \"MIT OR Apache-2.0\"\n\n[lib]\n\
+         crate-type = [\"cdylib\", \"staticlib\"]\n\n[dependencies]\ntwin = { path = \"..\" }\n\n[workspace]\n",
+    ),
+    (
+        ".cargo/config.toml",
+        "[target.'cfg(target_arch = \"x86_64\")']\nrustflags = [\"-C\", \"target-cpu=x86-64-v3\"]\n",
+    ),
 ];
 
 /// Every file of the crate by itself: path and content.
@@ -49,7 +64,9 @@ pub fn files() -> Vec<(&'static str, String)> {
 /// A source without its tests, and without what serves the page and the export.
 fn standalone_source(text: &str) -> String {
     let text = text.split("\n#[cfg(test)]").next().unwrap_or_default();
-    let is_kept = |line: &&str| !line.contains("package") && !line.contains("SCRIPT");
+    let serves_the_export =
+        |line: &str| line.contains("mod package") || line.contains("[`package`]") || line.contains("SCRIPT");
+    let is_kept = |line: &&str| !serves_the_export(line);
     text.lines().filter(is_kept).flat_map(|line| [line, "\n"]).collect()
 }
 
@@ -71,6 +88,7 @@ mod tests {
     #[test]
     fn the_manifest_has_the_versions_of_the_project() {
         let project = include_str!("../../../Cargo.toml");
+        assert!(include_str!("../../../.cargo/config.toml").ends_with(MANIFESTS[2].1));
         for line in MANIFESTS[0].1.lines().filter(|line| line.contains("version = \"=") || line.contains("thiserror")) {
             assert!(project.contains(line), "{line}");
         }

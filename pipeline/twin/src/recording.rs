@@ -77,13 +77,13 @@ impl Twin {
         Recording { checkpoints: vec![state.histories.clone()], state, parts: Vec::new(), ends: Vec::new() }
     }
 
-    /// [`Twin::step`] of a recorded motion. An error leaves it at the last whole step, and it cannot be stepped further.
+    /// [`Twin::step`] of a recorded motion. An error leaves it at the last whole step.
     ///
     /// # Errors
     /// As [`Twin::step`].
     pub fn record(&self, recording: &mut Recording, pressures: &[f64], duration: f64) -> Result<(), TwinError> {
         let Recording { state, parts, checkpoints, ends } = recording;
-        let (before, first) = (state.time(), parts.len());
+        let (before, first, checkpointed) = (state.time(), parts.len(), checkpoints.len());
         let mut see = |state: &TwinState, stencil: Stencil| {
             parts.push(RecordedPart {
                 stencil,
@@ -98,7 +98,11 @@ impl Twin {
                 checkpoints.push(state.histories.clone());
             }
         };
-        self.step_seen((state, &mut see), pressures, duration)?;
+        if let Err(error) = self.step_seen((state, &mut see), pressures, duration) {
+            parts.truncate(first);
+            checkpoints.truncate(checkpointed);
+            return Err(error);
+        }
         parts[first..].iter_mut().for_each(|part| part.passed = (part.time - before) / duration);
         ends.push(parts.len());
         Ok(())

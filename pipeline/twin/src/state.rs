@@ -42,7 +42,7 @@ pub(crate) struct Past {
     /// Of the water, J s.
     pub momenta: VecDeque<Vec<f64>>,
     /// Number of states that the next initial guess goes through.
-    order: usize,
+    pub(crate) order: usize,
 }
 
 /// The inverse of a tangent, and the γ that it was made with.
@@ -93,6 +93,17 @@ impl Past {
     pub fn at_rest(r: usize) -> Self {
         let zero = || VecDeque::from([vec![0.0; r]]);
         Self { times: VecDeque::from([0.0]), coordinates: zero(), velocities: zero(), momenta: zero(), order: 1 }
+    }
+
+    /// Of saved values; none where a step cannot go on from them.
+    pub(crate) fn restored(
+        times: VecDeque<f64>,
+        [coordinates, velocities, momenta]: [VecDeque<Vec<f64>>; 3],
+        order: usize,
+    ) -> Option<Self> {
+        let falls = times.iter().zip(times.iter().skip(1)).all(|(newer, older)| newer > older);
+        let is_whole = falls && (1..=KEPT).contains(&times.len()) && (1..=times.len()).contains(&order);
+        is_whole.then_some(Self { times, coordinates, velocities, momenta, order })
     }
 
     /// Implicit Euler in the first step, then BDF2 [hairer1993], section III.5.

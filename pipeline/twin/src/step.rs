@@ -8,7 +8,7 @@
 //! stress, 7.5 and 3.3 with the stress that the last iteration predicts [magisano2017], 5.9 and 2.5 with this.
 
 use crate::chambers::{PressureWork, add};
-use crate::data::{Chamber, TwinData};
+use crate::data::{Chamber, Output, TwinData};
 use crate::dense::{broyden_update, inverse, multiply};
 use crate::elastic::{Acting, Solid, Stresses, add_triangle};
 use crate::error::TwinError;
@@ -33,6 +33,8 @@ const LEAST: f64 = 1e-11;
 const HALVINGS: usize = 6;
 /// Shortest part of a change that is left of an iterate that is taken back.
 const SHORTEST_PART: f64 = 1e-3;
+/// Part of a chamber's range by which a pressure may lie beyond it: the noise of a gauge and the overshoot of a valve.
+const RANGE_MARGIN: f64 = 0.01;
 /// Steps, and γ, that differ by less than this, relative, are equal: times are sums that round.
 const SAME: f64 = 1e-9;
 
@@ -44,7 +46,7 @@ pub struct Twin {
     pub(crate) solids: Vec<Solid>,
     pub(crate) chambers: Vec<Chamber>,
     pub(crate) water: Option<Water>,
-    outputs: Vec<(String, Vec<f64>)>,
+    outputs: Vec<Output>,
     tolerance: f64,
 }
 
@@ -104,7 +106,24 @@ impl Twin {
 
     /// Names of the outputs.
     pub fn outputs(&self) -> impl Iterator<Item = &str> {
-        self.outputs.iter().map(|(name, _)| &**name)
+        self.outputs.iter().map(|output| &*output.name)
+    }
+
+    /// The chambers: their channels and ranges.
+    pub fn chambers(&self) -> &[Chamber] {
+        &self.chambers
+    }
+
+    /// The number of the output of this name.
+    ///
+    /// # Errors
+    /// [`TwinError::Output`], with the names that there are.
+    pub fn output_number(&self, name: &str) -> Result<usize, TwinError> {
+        let number = self.outputs.iter().position(|output| output.name == name);
+        number.ok_or_else(|| TwinError::Output {
+            name: name.to_owned(),
+            names: self.outputs().collect::<Vec<_>>().join(", "),
+        })
     }
 
     /// The displacement that is output `number`, m.
@@ -112,7 +131,7 @@ impl Twin {
     /// # Panics
     /// When there is no such output, or the state has other coordinates.
     pub fn output(&self, state: &TwinState, number: usize) -> f64 {
-        let (row, q) = (&self.outputs[number].1, state.coordinates());
+        let (row, q) = (self.output_row(number), state.coordinates());
         assert_eq!(row.len(), q.len(), "a state of other coordinates");
         row.iter().zip(q).map(|(row, q)| row * q).sum()
     }
@@ -122,7 +141,13 @@ impl Twin {
     /// # Panics
     /// When there is no such output.
     pub fn output_row(&self, number: usize) -> &[f64] {
-        &self.outputs[number].1
+        &self.outputs[number].row
+    }
+
+    /// The largest entry of q over that of the shapes which the tail was reduced from: above 1 it is larger than anything that was seen, and its
+    /// shape is extrapolated.
+    pub fn excursion(&self, state: &TwinState) -> f64 {
+        largest_entry(state.coordinates()) / self.size
     }
 
     /// The volume of a chamber, m³; of a half model, of the half.
@@ -135,10 +160,10 @@ impl Twin {
     }
 
     /// Steps by `duration` seconds, at whose end the chambers have these `pressures`, Pa. Where no step of that length is found, it is
-    /// halved, with pressures that rise evenly. An error leaves the state at the last step that was found.
+    /// halved, with pressures that rise evenly. An error leaves the state as it was.
     ///
     /// # Errors
-    /// [`TwinError`] when an input is wrong, the state is of another twin, or no step is found.
+    /// [`TwinError`] when an input is wrong, a pressure is beyond the range of its chamber, the state is of another twin, or no step is found.
     pub fn step(&self, state: &mut TwinState, pressures: &[f64], duration: f64) -> Result<(), TwinError> {
         self.step_seen((state, &mut |_, _| {}), pressures, duration)
     }
@@ -151,14 +176,51 @@ impl Twin {
         duration: f64,
     ) -> Result<(), TwinError> {
         self.check_state(seen.0)?;
+        self.check_pressures(pressures)?;
+        if !(duration > 0.0 && duration.is_finite()) {
+            return Err(TwinError::Input { what: format!("a step of {duration} s") });
+        }
+        match self.attempt_step(seen.0, pressures, duration) {
+            Ok(stencil) => (seen.1)(seen.0, stencil),
+            Err(error) => self.step_in_halves(seen, (pressures, duration), error)?,
+        }
+        Ok(())
+    }
+
+    /// # Errors
+    /// [`TwinError::Input`] when they are not one finite number for each chamber, [`TwinError::Pressure`] when one is beyond its range.
+    fn check_pressures(&self, pressures: &[f64]) -> Result<(), TwinError> {
         if pressures.len() != self.chambers.len() || pressures.iter().any(|p| !p.is_finite()) {
             let what = format!("the pressures {pressures:?} of {} chambers", self.chambers.len());
             return Err(TwinError::Input { what });
         }
-        if !(duration > 0.0 && duration.is_finite()) {
-            return Err(TwinError::Input { what: format!("a step of {duration} s") });
+        let is_beyond = |(chamber, pressure): &(&Chamber, &f64)| {
+            let [low, high] = chamber.range;
+            let margin = RANGE_MARGIN * (high - low);
+            !(low - margin..=high + margin).contains(pressure)
+        };
+        match self.chambers.iter().zip(pressures).find(is_beyond) {
+            Some((Chamber { name, range, .. }, pressure)) => {
+                Err(TwinError::Pressure { chamber: name.clone(), pressure: *pressure, range: *range })
+            }
+            None => Ok(()),
         }
-        self.step_in_parts(seen, pressures, duration, HALVINGS)
+    }
+
+    /// A step in parts after the whole one failed with `error`; where that fails too, the state is as it was.
+    fn step_in_halves(
+        &self,
+        (state, see): (&mut TwinState, &mut See),
+        (pressures, duration): (&[f64], f64),
+        error: TwinError,
+    ) -> Result<(), TwinError> {
+        state.lagged = None;
+        let before = state.clone();
+        let stepped = self.step_two_halves((state, see), (pressures, duration), (HALVINGS, error));
+        if stepped.is_err() {
+            *state = TwinState { work: state.work, ..before };
+        }
+        stepped
     }
 
     /// # Errors
@@ -180,14 +242,25 @@ impl Twin {
         duration: f64,
         halvings: usize,
     ) -> Result<(), TwinError> {
-        let error = match self.attempt_step(state, pressures, duration) {
+        match self.attempt_step(state, pressures, duration) {
             Ok(stencil) => {
                 see(state, stencil);
-                return Ok(());
+                Ok(())
             }
-            Err(error) => error,
-        };
-        state.lagged = None;
+            Err(error) => {
+                state.lagged = None;
+                self.step_two_halves((state, see), (pressures, duration), (halvings, error))
+            }
+        }
+    }
+
+    /// The halves of a step that failed with `error`, which is returned where it may not be halved again.
+    fn step_two_halves(
+        &self,
+        (state, see): (&mut TwinState, &mut See),
+        (pressures, duration): (&[f64], f64),
+        (halvings, error): (usize, TwinError),
+    ) -> Result<(), TwinError> {
         if halvings == 0 {
             return Err(error);
         }
@@ -215,7 +288,7 @@ impl Twin {
     }
 
     /// The branches' factors over a step of this length.
-    fn prepare_factors(&self, state: &mut TwinState, duration: f64) {
+    pub(crate) fn prepare_factors(&self, state: &mut TwinState, duration: f64) {
         if (state.factors.0 / duration - 1.0).abs() > SAME {
             let factors_of_solid =
                 |solid: &Solid| solid.branches.iter().map(|branch| Factors::new(*branch, duration)).collect();

@@ -91,8 +91,8 @@ fn an_array_that_is_cut_or_has_other_axes_is_refused_by_name() {
 #[test]
 fn a_region_or_a_chamber_that_is_removed_is_missed_and_another_array_is_refused() {
     refused("no array `region0.moduli`", |parts| parts.without("region0"));
-    refused("no array `chamber0.at_rest`", |parts| parts.without("chamber0"));
-    refused("no array `chamber1.at_rest`", |parts| parts.without("chamber1"));
+    refused("no array `chamber0.range`", |parts| parts.without("chamber0"));
+    refused("no array `chamber1.range`", |parts| parts.without("chamber1"));
     refused("the array \"region1.moduli\"", |parts| {
         let moduli = parts.arrays["region0.moduli"].clone();
         parts.arrays.insert("region1.moduli".into(), moduli);

@@ -95,3 +95,70 @@ fn the_state_and_the_recording_of_another_twin_are_refused() {
         assert!(matches!(gradient, Err(TwinError::State { .. })));
     }
 }
+
+#[test]
+fn a_step_that_fails_leaves_the_state_as_it_was() {
+    let mut data = beam(false);
+    data.chambers.iter_mut().for_each(|chamber| chamber.range = twin::Chamber::UNLIMITED);
+    let twin = Twin::new(data).unwrap();
+    let mut state = twin.start();
+    (1..=20).for_each(|n| twin.step(&mut state, &[1e3 * f64::from(n), 0.0], 4e-3).unwrap());
+    let mut untouched = state.clone();
+    // a step that ends in an infinite force has no part that does not
+    assert!(matches!(twin.step(&mut state, &[1e300, 0.0], 4e-3), Err(TwinError::NoConvergence { .. })));
+    assert_eq!((state.time(), state.coordinates()), (untouched.time(), untouched.coordinates()));
+    assert_eq!(state.velocity(), untouched.velocity());
+    for state in [&mut state, &mut untouched] {
+        twin.step(state, &[2e4, 0.0], 4e-3).unwrap();
+    }
+    let apart = state.coordinates().iter().zip(untouched.coordinates()).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f64::max) < 1e-7 * LENGTH, "the next step is the same to its tolerance");
+}
+
+#[test]
+fn pressures_beyond_the_range_of_a_chamber_are_refused_by_name_and_ratio() {
+    let twin = Twin::new(beam(false)).unwrap();
+    let [low, high] = twin.chambers()[1].range;
+    let mut state = twin.start();
+    for (pressure, ratio) in [(10.0 * high, "10.0 times"), (-0.5 * high, "0.5 times")] {
+        let error = twin.step(&mut state, &[0.0, pressure], 1e-3).unwrap_err();
+        assert!(matches!(error, TwinError::Pressure { .. }));
+        assert!(error.to_string().contains("`right`") && error.to_string().contains(ratio), "{error}");
+    }
+    assert_eq!(state.time(), 0.0);
+    twin.step(&mut state, &[low, 1.005 * high], 1e-3).unwrap();
+    assert!(twin.excursion(&state) > 0.0);
+}
+
+#[test]
+fn an_output_that_there_is_not_is_refused_with_those_that_there_are() {
+    let error = Twin::new(beam(false)).unwrap().output_number("tip").unwrap_err();
+    assert!(error.to_string().contains("tip_x, tip_y"), "{error}");
+}
+
+#[test]
+fn a_saved_state_goes_on_to_the_same_bits_and_others_are_refused() {
+    for wet in [false, true] {
+        let twin = Twin::new(beam(wet)).unwrap();
+        let mut state = twin.start();
+        assert_eq!(twin.restored(&twin.saved(&state).unwrap()).unwrap().coordinates(), state.coordinates());
+        let pressure = |n: i32| [HIGHEST * (0.5 - 0.5 * (0.1 * f64::from(n)).cos()), 0.0];
+        (0..40).for_each(|n| twin.step(&mut state, &pressure(n), 2e-3).unwrap());
+        let bytes = twin.saved(&state).unwrap();
+        let mut restored = twin.restored(&bytes).unwrap();
+        assert_eq!(twin.saved(&restored).unwrap(), bytes);
+        for n in 40..60 {
+            for state in [&mut state, &mut restored] {
+                twin.step(state, &pressure(n), 2e-3).unwrap();
+            }
+            assert_eq!(state.coordinates(), restored.coordinates());
+        }
+        let mut other = beam(wet);
+        other.regions[0].branches.pop();
+        let other = Twin::new(other).unwrap();
+        for damaged in [&bytes[..bytes.len() - 8], &bytes[..bytes.len() - 3], &bytes[8..], &[]] {
+            assert!(matches!(twin.restored(damaged), Err(TwinError::Saved { .. })));
+        }
+        assert!(matches!(other.restored(&bytes), Err(TwinError::Saved { .. })));
+    }
+}

@@ -27,7 +27,7 @@ mod method_comparison;
 mod optimal_actuation;
 mod plateaus;
 mod recovery;
-mod reduce;
+pub(crate) mod reduce;
 mod relaxation;
 mod repeats;
 mod simulation;

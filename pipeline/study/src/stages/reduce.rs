@@ -38,7 +38,12 @@ pub struct Card {
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        Self { body: Body::of(&of.card), chambers: of.card.chamber.len(), idle: idle(of), commanded: commanded(of) }
+        Self {
+            body: Body::of(&of.card),
+            chambers: of.card.chamber.len(),
+            idle: idle_chambers(of),
+            commanded: commanded(of),
+        }
     }
 }
 
@@ -69,7 +74,7 @@ impl Stage for Reduce {
 }
 
 /// The chambers that no trial fills: no motion of theirs is predicted, and each would take as many equilibria as one that is filled.
-fn idle(of: &Specimen) -> Vec<usize> {
+pub(crate) fn idle_chambers(of: &Specimen) -> Vec<usize> {
     let fills = |channel: &String| of.trials().iter().any(|t| t.trial.experiment.channels().contains(channel));
     let chambers = of.card.chamber.iter().enumerate();
     chambers.filter(|(_, chamber)| !fills(&chamber.channel)).map(|(k, _)| k).collect()
