@@ -44,7 +44,7 @@ class Twin:
         self.half: bool = half
 
     def __getstate__(self) -> bytes:
-        return self._core.bytes()
+        return self._core.content()
 
     def __setstate__(self, state: bytes) -> None:
         self._load(_core.Twin.parse(state))
@@ -68,7 +68,7 @@ class Twin:
     @checked()
     def write(self, path: str | os.PathLike[str]) -> None:
         """Writes its arrays as safetensors."""
-        Path(path).write_bytes(self._core.bytes())
+        Path(path).write_bytes(self._core.content())
 
     @property
     def coordinates(self) -> int:

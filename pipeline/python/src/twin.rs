@@ -62,7 +62,7 @@ impl Twin {
     }
 
     /// The bytes of its file.
-    fn bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+    fn content<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, &twin::file::bytes(&self.data).map_err(raised)?))
     }
 

@@ -15,7 +15,8 @@ use crate::law::Symmetric;
 use crate::recording::{RecordedPart, Recording, checkpoint_place};
 use crate::single_precision;
 use crate::solid_adjoint::{BranchStep, SolidAdjoint};
-use crate::step::Twin;
+use crate::twin::Twin;
+use crate::water::WaterSums;
 use crate::water_adjoint::WaterGradient;
 
 /// The refinement that changes the solution by less than this, relative, is the last. With 1e-4 it is the first one, and derivatives of four
@@ -157,7 +158,7 @@ impl<'a> Pass<'a> {
         work.set_pressures(&twin.chambers, &part.pressures);
         work.subtract_hessian(q, &mut without_solids);
         if let Some(water) = &twin.water {
-            water.add_stiffness((q, &part.velocity), gamma, &mut without_solids);
+            water.add_stiffness((q, &part.velocity, gamma), &mut WaterSums::new(q.len()), &mut without_solids);
         }
         let (mut stiffness, mut later) = (single_precision::zero_triangle(q.len()), vec![Lanes::ZERO; q.len()]);
         for ((solid, acting), now) in self.solids.iter_mut().zip(acting).zip(branches) {

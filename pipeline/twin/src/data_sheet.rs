@@ -3,7 +3,7 @@
 use crate::data::{Chamber, Output, TwinData};
 use crate::error::TwinError;
 use crate::layout::{Array, Counts};
-use crate::step::Twin;
+use crate::twin::Twin;
 
 /// Fraction of a chamber's highest pressure at which the page states where outputs go.
 const PART: f64 = 0.1;

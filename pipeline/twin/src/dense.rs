@@ -2,35 +2,45 @@
 
 use crate::chambers::add;
 
-/// The inverse of a matrix of n × n (row after row) by Gauss–Jordan elimination with row exchange; none where it is singular.
+/// The inverse of a matrix of n × n (row after row); none where it is singular.
+pub fn inverse(mut matrix: Vec<f64>) -> Option<Vec<f64>> {
+    let mut inverse = vec![0.0; matrix.len()];
+    invert(&mut matrix, &mut inverse).then_some(inverse)
+}
+
+/// Fills the `inverse` of a matrix of n × n (row after row), which is spent, by Gauss–Jordan elimination with row exchange; returns whether there
+/// is one.
 // An explicit inverse: a product with it is three times faster than two triangular solves of this size, and it takes
 // rank-one updates. Its rounding, the condition times 1e-16, is below the tolerance of a step.
-pub fn inverse(mut matrix: Vec<f64>) -> Option<Vec<f64>> {
+pub(crate) fn invert(matrix: &mut [f64], inverse: &mut [f64]) -> bool {
     let n = matrix.len().isqrt();
-    let mut inverse: Vec<f64> = (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect();
+    (0..n * n).for_each(|entry| inverse[entry] = f64::from(u8::from(entry / n == entry % n)));
     for column in 0..n {
         let size = |row: &usize| matrix[row * n + column].abs();
-        let pivot = (column..n).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        let pivot = (column..n).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(column);
         let largest = matrix[pivot * n + column];
         if !(largest.is_finite() && largest != 0.0) {
-            return None;
+            return false;
         }
-        for both in [&mut matrix, &mut inverse] {
+        for both in [&mut *matrix, &mut *inverse] {
             (0..n).for_each(|k| both.swap(pivot * n + k, column * n + k));
             both[column * n..(column + 1) * n].iter_mut().for_each(|x| *x /= largest);
         }
-        let (own, other): (Vec<f64>, Vec<f64>) = (row_of(&matrix, column, n), row_of(&inverse, column, n));
         for row in (0..n).filter(|row| *row != column) {
             let factor = matrix[row * n + column];
-            add(&mut matrix[row * n..(row + 1) * n], -factor, &own);
-            add(&mut inverse[row * n..(row + 1) * n], -factor, &other);
+            subtract_row(matrix, (row, column), factor);
+            subtract_row(inverse, (row, column), factor);
         }
     }
-    Some(inverse)
+    true
 }
 
-fn row_of(matrix: &[f64], row: usize, n: usize) -> Vec<f64> {
-    matrix[row * n..(row + 1) * n].to_vec()
+/// Subtracts `factor` times the row `pivot` of a square matrix from another `row`.
+fn subtract_row(matrix: &mut [f64], (row, pivot): (usize, usize), factor: f64) {
+    let n = matrix.len().isqrt();
+    let (upper, lower) = matrix.split_at_mut(row.max(pivot) * n);
+    let (first, second) = (&mut upper[row.min(pivot) * n..][..n], &mut lower[..n]);
+    if row > pivot { add(second, -factor, first) } else { add(first, -factor, second) }
 }
 
 /// `image` = A x.
@@ -47,8 +57,8 @@ pub(crate) fn multiply_transposed(matrix: &[f64], x: &[f64], image: &mut [f64]) 
 }
 
 /// Updates an inverse H after a step −`change` = −H r that left the residual whose image is `next` = H r⁺, by Broyden's first
-/// method; `next` becomes the image under the updated inverse. Returns whether it was updated.
-pub(crate) fn broyden_update(inverse: &mut [f64], change: &[f64], next: &mut [f64]) -> bool {
+/// method; `next` becomes the image under the updated inverse, and `row` is for n numbers on the way. Returns whether it was updated.
+pub(crate) fn broyden_update(inverse: &mut [f64], change: &[f64], (next, row): (&mut [f64], &mut [f64])) -> bool {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (projection, length) = (dot(change, next), dot(change, change));
     let remainder = length - projection;
@@ -57,12 +67,12 @@ pub(crate) fn broyden_update(inverse: &mut [f64], change: &[f64], next: &mut [f6
         return false;
     }
     let n = change.len();
-    let mut row = vec![0.0; n];
+    row.fill(0.0);
     for (part, change) in inverse.chunks_exact(n).zip(change) {
-        add(&mut row, *change, part);
+        add(row, *change, part);
     }
     for (part, next) in inverse.chunks_exact_mut(n).zip(&*next) {
-        add(part, next / remainder, &row);
+        add(part, next / remainder, row);
     }
     next.iter_mut().for_each(|entry| *entry *= length / remainder);
     true
@@ -102,7 +112,7 @@ mod tests {
         let (mut change, mut next) = ([0.0; 3], [0.0; 3]);
         multiply(&own, &before, &mut change);
         multiply(&own, &after, &mut next);
-        assert!(broyden_update(&mut own, &change, &mut next));
+        assert!(broyden_update(&mut own, &change, (&mut next, &mut [0.0; 3])));
         let mut image = [0.0; 3];
         multiply(&own, &[0, 1, 2].map(|k| after[k] - before[k]), &mut image);
         (0..3).for_each(|k| assert!((image[k] + change[k]).abs() < 1e-14));

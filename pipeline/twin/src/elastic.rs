@@ -30,6 +30,13 @@ pub struct Stresses {
     pub law: Vec<Symmetric>,
 }
 
+impl Stresses {
+    /// None yet, with room for so many blocks.
+    pub(crate) fn with_capacity(blocks: usize) -> Self {
+        Self { relaxing: Vec::with_capacity(blocks), law: Vec::with_capacity(blocks) }
+    }
+}
+
 /// What acts at a solid's points in one step.
 #[derive(Debug, Clone)]
 pub struct Acting {
@@ -64,8 +71,8 @@ impl Solid {
     // They are kept from the last residual: reading the gradients once more after a step would cost a third of a residual, and the
     // state moves by less than the tolerance in between.
     pub fn add_forces(&self, q: &[f64], acting: &Acting, (forces, stresses): (&mut [Lanes], &mut Stresses)) {
-        stresses.law.reserve(self.block_count());
-        stresses.relaxing.reserve(self.block_count());
+        stresses.law.clear();
+        stresses.relaxing.clear();
         for (block, weight) in self.weights.iter().enumerate() {
             let gradients = self.gradients.block(block);
             let deformed = Deformed::new(&gather(gradients, q), &acting.constants);

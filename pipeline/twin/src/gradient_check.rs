@@ -9,7 +9,7 @@ use crate::data::{Chamber, TwinData};
 use crate::error::TwinError;
 use crate::gradient::{LossGradient, MotionGradient};
 use crate::recording::Recording;
-use crate::step::Twin;
+use crate::twin::Twin;
 
 /// Steps a second.
 const RATE: f64 = 240.0;

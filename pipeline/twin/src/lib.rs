@@ -47,6 +47,7 @@ mod data;
 mod data_sheet;
 mod dense;
 mod elastic;
+mod equations;
 mod error;
 pub mod example;
 pub mod file;
@@ -64,16 +65,18 @@ mod single_precision;
 mod solid_adjoint;
 mod state;
 mod step;
+mod twin;
 mod unpack;
 mod water;
 mod water_adjoint;
+mod workspace;
 
 pub use data::{Chamber, Output, Region, Section, TwinData};
 pub use error::TwinError;
 pub use gradient::{LossGradient, MotionGradient, RegionGradient};
 pub use recording::Recording;
 pub use state::{TwinState, Work};
-pub use step::Twin;
+pub use twin::Twin;
 
 /// SCRIPT: the same in JavaScript, for a page. `Twin(buffer)` of the file's bytes has `start`, `step` and `output`.
 pub const SCRIPT: &str = include_str!("twin.js");

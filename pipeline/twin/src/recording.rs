@@ -8,7 +8,7 @@ use crate::history::{Factors, History};
 use crate::lanes::gather;
 use crate::law::{Deformed, Symmetric};
 use crate::state::{Stencil, TwinState};
-use crate::step::Twin;
+use crate::twin::Twin;
 
 /// Parts of steps between two checkpoints.
 // Measured on a flapping tail in air, motion with adjoint over motion: 1.59 with a checkpoint at every part, 1.58 with this, 1.56 with 256. Memory decides:

@@ -3,15 +3,13 @@
 //! A mark, then 64-bit numbers in a fixed order: counts, time, pressures, past values newest first, histories and stresses by region, and the
 //! lagged inverse of the tangent where there is one.
 
-use std::collections::VecDeque;
-
 use crate::elastic::Stresses;
 use crate::error::TwinError;
 use crate::history::History;
 use crate::lanes::{LANES, per_lane};
 use crate::law::Symmetric;
-use crate::state::{Lagged, Past, TwinState, Work};
-use crate::step::Twin;
+use crate::state::{KEPT, Past, TwinState, Work};
+use crate::twin::Twin;
 
 /// Begin of every saved state: its kind and version.
 const MARK: &[u8; 8] = b"twin st1";
@@ -51,23 +49,23 @@ impl Twin {
 impl TwinState {
     /// All numbers, in the order in which [`Reader::state`] takes them.
     fn numbers(&self) -> Vec<f64> {
-        let Self { time, past, pressures, histories, factors, lagged, stresses, work } = self;
-        let is_stressed = stresses.iter().any(|stresses| !stresses.law.is_empty());
-        let counts = [past.times.len(), past.order, usize::from(is_stressed), usize::from(lagged.is_some())];
+        let Self { time, past, pressures, histories, factors, lagged, stresses, work, .. } = self;
+        let (is_stressed, is_lagged) = (stresses.iter().any(|by| !by.law.is_empty()), lagged.gamma.is_finite());
+        let counts = [past.count, past.order, usize::from(is_stressed), usize::from(is_lagged)];
         let spent = [work.steps, work.residuals, work.tangents];
         let mut numbers: Vec<f64> = counts.iter().chain(&spent).map(|count| *count as f64).collect();
         numbers.extend([*time, factors.0]);
         numbers.extend(pressures);
-        numbers.extend(&past.times);
+        numbers.extend(&past.times[..past.count]);
         for rows in [&past.coordinates, &past.velocities, &past.momenta] {
-            numbers.extend(rows.iter().flatten());
+            numbers.extend(rows[..past.count].iter().flatten());
         }
         histories.iter().for_each(|history| extend(&mut numbers, history.tensors()));
         for stresses in stresses {
             extend(&mut numbers, &stresses.law);
             extend(&mut numbers, &stresses.relaxing);
         }
-        if let Some(lagged) = lagged {
+        if is_lagged {
             numbers.push(lagged.gamma);
             numbers.extend(&lagged.inverse);
         }
@@ -96,8 +94,13 @@ impl<'a> Reader<'a> {
         (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53)).then_some(number as usize)
     }
 
-    fn rows(&mut self, count: usize, length: usize) -> Option<VecDeque<Vec<f64>>> {
-        (0..count).map(|_| self.take(length).map(<[f64]>::to_vec)).collect()
+    /// Fills the first of `rows`.
+    fn rows(&mut self, count: usize, rows: &mut [Vec<f64>; KEPT]) -> Option<()> {
+        rows[..count].iter_mut().try_for_each(|row| {
+            let length = row.len();
+            row.copy_from_slice(self.take(length)?);
+            Some(())
+        })
     }
 
     fn tensors(&mut self, count: usize) -> Option<Vec<Symmetric>> {
@@ -108,33 +111,41 @@ impl<'a> Reader<'a> {
 
     /// A state of `twin`; none where the counts are none of a state, or numbers are missing.
     fn state(&mut self, twin: &Twin) -> Option<TwinState> {
-        let (kept, order, stressed, is_lagged) = (self.count()?, self.count()?, self.count()?, self.count()?);
-        let work = Work { steps: self.count()?, residuals: self.count()?, tangents: self.count()? };
-        let (time, duration) = (self.take(1)?[0], self.take(1)?[0]);
-        let r = twin.coordinates();
-        let pressures = self.take(twin.chambers.len())?.to_vec();
-        let times = self.take(kept)?.iter().copied().collect();
-        let past = [self.rows(kept, r)?, self.rows(kept, r)?, self.rows(kept, r)?];
-        let past = Past::restored(times, past, order)?;
-        let histories = twin.solids.iter().map(|solid| {
+        let (count, order, is_stressed, is_lagged) = (self.count()?, self.count()?, self.count()?, self.count()?);
+        let mut state = twin.start();
+        state.work = Work { steps: self.count()?, residuals: self.count()?, tangents: self.count()? };
+        state.time = self.take(1)?[0];
+        let duration = self.take(1)?[0];
+        state.pressures.copy_from_slice(self.take(twin.chambers.len())?);
+        self.past((count, order), &mut state.past)?;
+        for (solid, history) in twin.solids.iter().zip(&mut state.histories) {
             let [branches, tensors] = History::size(solid.block_count(), solid.branches.len());
-            Some(History::restored(branches, self.tensors(tensors)?))
-        });
-        let histories = histories.collect::<Option<_>>()?;
-        let stresses = twin.solids.iter().map(|solid| {
-            let blocks = if stressed == 1 { solid.block_count() } else { 0 };
-            Some(Stresses { law: self.tensors(blocks)?, relaxing: self.tensors(blocks)? })
-        });
-        let stresses = stresses.collect::<Option<_>>()?;
-        let lagged = match is_lagged {
-            0 => None,
-            _ => Some(Lagged { gamma: self.take(1)?[0], inverse: self.take(r * r)?.to_vec() }),
-        };
-        let mut state =
-            TwinState { time, past, pressures, histories, lagged, stresses, work, factors: (0.0, Vec::new()) };
+            *history = History::restored(branches, self.tensors(tensors)?);
+        }
+        for (solid, stresses) in twin.solids.iter().zip(&mut state.stresses).filter(|_| is_stressed == 1) {
+            let blocks = solid.block_count();
+            *stresses = Stresses { law: self.tensors(blocks)?, relaxing: self.tensors(blocks)? };
+        }
+        if is_lagged == 1 {
+            state.lagged.gamma = self.take(1)?[0];
+            state.lagged.inverse.copy_from_slice(self.take(twin.mass.len())?);
+        }
         if duration > 0.0 {
-            twin.prepare_factors(&mut state, duration);
+            state.prepare_factors(&twin.solids, duration);
         }
         Some(state)
+    }
+
+    fn past(&mut self, (count, order): (usize, usize), past: &mut Past) -> Option<()> {
+        if !(1..=KEPT).contains(&count) || !(1..=count).contains(&order) {
+            return None;
+        }
+        (past.count, past.order) = (count, order);
+        past.times[..count].copy_from_slice(self.take(count)?);
+        // the weights of a guess divide by the time between two states
+        past.times[..count].is_sorted_by(|newer, older| newer > older).then_some(())?;
+        [&mut past.coordinates, &mut past.velocities, &mut past.momenta]
+            .into_iter()
+            .try_for_each(|rows| self.rows(count, rows))
     }
 }

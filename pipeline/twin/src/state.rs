@@ -1,9 +1,9 @@
 //! The state of a reduced tail: what the next step needs of the past.
 
-use std::collections::VecDeque;
-
-use crate::elastic::Stresses;
+use crate::chambers::add;
+use crate::elastic::{Solid, Stresses};
 use crate::history::{Factors, History};
+use crate::workspace::Workspace;
 
 /// What steps have cost so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -27,29 +27,40 @@ pub struct TwinState {
     pub(crate) histories: Vec<History>,
     /// Of each region's branches over a step of the length beside them.
     pub(crate) factors: (f64, Vec<Vec<Factors>>),
-    pub(crate) lagged: Option<Lagged>,
+    pub(crate) lagged: Lagged,
     /// By region, at the end of the last step; nothing before the first.
     pub(crate) stresses: Vec<Stresses>,
     pub(crate) work: Work,
+    /// Buffers of the next step, which say nothing of the past.
+    pub(crate) workspace: Workspace,
 }
 
-/// Past values, newest first.
+/// Past values, newest first, in places that are kept: a step takes no memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Past {
-    pub times: VecDeque<f64>,
-    pub coordinates: VecDeque<Vec<f64>>,
-    pub velocities: VecDeque<Vec<f64>>,
+    /// Number of values that there are.
+    pub count: usize,
+    pub times: [f64; KEPT],
+    pub coordinates: [Vec<f64>; KEPT],
+    pub velocities: [Vec<f64>; KEPT],
     /// Of the water, J s.
-    pub momenta: VecDeque<Vec<f64>>,
+    pub momenta: [Vec<f64>; KEPT],
     /// Number of states that the next initial guess goes through.
-    pub(crate) order: usize,
+    pub order: usize,
 }
 
-/// The inverse of a tangent, and the γ that it was made with.
+/// The inverse of a tangent, and the γ that it was made with; not a number where there is none.
 #[derive(Debug, Clone)]
 pub(crate) struct Lagged {
     pub inverse: Vec<f64>,
     pub gamma: f64,
+}
+
+impl Lagged {
+    /// None yet, of `r` coordinates.
+    pub(crate) fn none(r: usize) -> Self {
+        Self { inverse: vec![0.0; r * r], gamma: f64::NAN }
+    }
 }
 
 /// ẋ = γ x + Σ w x_past.
@@ -60,7 +71,9 @@ pub(crate) struct Stencil {
 }
 
 /// Past states that are kept for the initial guess.
-const KEPT: usize = 5;
+pub(crate) const KEPT: usize = 5;
+/// Steps, and γ, that differ by less than this, relative, are equal: times are sums that round.
+pub(crate) const SAME: f64 = 1e-9;
 /// A polynomial is the next initial guess where it came this much nearer in the last step than the last state did.
 // What a guess that is not near strains the stiff sheet by is of second order in its distance, and spoils the first tangents. Measured on a
 // flapping tail, residuals and tangents a step: always the parabola 6.0 and 2.5 in air, 5.2 and 1.5 in water; the nearest
@@ -83,6 +96,18 @@ impl TwinState {
         &self.past.velocities[0]
     }
 
+    /// Makes the factors of the `solids`' branches those of a step of `duration` seconds.
+    pub(crate) fn prepare_factors(&mut self, solids: &[Solid], duration: f64) {
+        if (self.factors.0 / duration - 1.0).abs() <= SAME {
+            return;
+        }
+        self.factors.0 = duration;
+        for (solid, factors) in solids.iter().zip(&mut self.factors.1) {
+            factors.clear();
+            factors.extend(solid.branches.iter().map(|branch| Factors::new(*branch, duration)));
+        }
+    }
+
     /// What its steps have cost.
     pub fn work(&self) -> Work {
         self.work
@@ -91,24 +116,13 @@ impl TwinState {
 
 impl Past {
     pub fn at_rest(r: usize) -> Self {
-        let zero = || VecDeque::from([vec![0.0; r]]);
-        Self { times: VecDeque::from([0.0]), coordinates: zero(), velocities: zero(), momenta: zero(), order: 1 }
-    }
-
-    /// Of saved values; none where a step cannot go on from them.
-    pub(crate) fn restored(
-        times: VecDeque<f64>,
-        [coordinates, velocities, momenta]: [VecDeque<Vec<f64>>; 3],
-        order: usize,
-    ) -> Option<Self> {
-        let falls = times.iter().zip(times.iter().skip(1)).all(|(newer, older)| newer > older);
-        let is_whole = falls && (1..=KEPT).contains(&times.len()) && (1..=times.len()).contains(&order);
-        is_whole.then_some(Self { times, coordinates, velocities, momenta, order })
+        let zero = || std::array::from_fn(|_| vec![0.0; r]);
+        Self { count: 1, times: [0.0; KEPT], coordinates: zero(), velocities: zero(), momenta: zero(), order: 1 }
     }
 
     /// Implicit Euler in the first step, then BDF2 [hairer1993], section III.5.
     pub(crate) fn step_stencil(&self, step: f64) -> Stencil {
-        match self.times.get(1).map(|then| step / (self.times[0] - then)) {
+        match self.times[..self.count].get(1).map(|then| step / (self.times[0] - then)) {
             None => Stencil { gamma: 1.0 / step, weights: [-1.0 / step, 0.0] },
             Some(r) => Stencil {
                 gamma: (1.0 + 2.0 * r) / ((1.0 + r) * step),
@@ -117,51 +131,51 @@ impl Past {
         }
     }
 
-    /// The polynomial through the newest `count` coordinates at `time`, by Lagrange's weights.
-    fn extrapolated_coordinates(&self, count: usize, time: f64) -> Vec<f64> {
-        let times: Vec<f64> = self.times.iter().take(count).copied().collect();
-        let other_times = |i: usize| (0..times.len()).filter(move |j| *j != i);
+    /// Fills `sum` with the polynomial through the newest `count` coordinates at `time`, by Lagrange's weights.
+    fn extrapolate(&self, count: usize, time: f64, sum: &mut [f64]) {
+        let times = &self.times[..count];
+        let other_times = |i: usize| (0..count).filter(move |j| *j != i);
         let weight = |i: usize| other_times(i).map(|j| (time - times[j]) / (times[i] - times[j])).product::<f64>();
-        let mut sum = vec![0.0; self.coordinates[0].len()];
-        for (i, q) in self.coordinates.iter().take(count).enumerate() {
-            crate::chambers::add(&mut sum, weight(i), q);
+        sum.fill(0.0);
+        for (i, q) in self.coordinates[..count].iter().enumerate() {
+            add(sum, weight(i), q);
         }
-        sum
     }
 
-    /// The initial guess of a step that ends at `time`.
+    /// Fills `q` with the initial guess of a step that ends at `time`.
     // In air a tail's walls tremble, and the last state is the best guess; in water it moves smoothly, and the quartic is.
-    pub fn initial_guess(&self, time: f64) -> Vec<f64> {
-        self.extrapolated_coordinates(self.order, time)
+    pub fn initial_guess(&self, time: f64, q: &mut [f64]) {
+        self.extrapolate(self.order, time, q);
     }
 
-    /// Number of states whose polynomial would have been the guess of the step that ended at `time` in q.
-    fn best_order(&self, time: f64, q: &[f64]) -> usize {
-        let miss = |count: usize| {
-            let guess = self.extrapolated_coordinates(count, time);
+    /// Number of states whose polynomial would have been the guess of the step that ended at `time` in q; `guess` is for the guesses.
+    fn best_order(&self, time: f64, q: &[f64], guess: &mut [f64]) -> usize {
+        let mut miss = |count: usize| {
+            self.extrapolate(count, time, guess);
             guess.iter().zip(q).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
         };
-        let misses: Vec<f64> = (1..=self.times.len()).map(miss).collect();
-        let best = (0..misses.len()).min_by(|a, b| misses[*a].total_cmp(&misses[*b])).unwrap_or(0);
+        let misses: [f64; KEPT] = std::array::from_fn(|i| if i < self.count { miss(i + 1) } else { f64::INFINITY });
+        let best = (0..self.count).min_by(|a, b| misses[*a].total_cmp(&misses[*b])).unwrap_or(0);
         if misses[best] < NEARER * misses[0] { best + 1 } else { 1 }
     }
 
-    pub fn push_state(&mut self, time: f64, [q, v, momentum]: [Vec<f64>; 3]) {
-        self.order = self.best_order(time, &q);
-        self.times.push_front(time);
-        self.times.truncate(KEPT);
+    /// Takes the state at `time`: q, q̇ and the water's momentum; `guess` is for guesses.
+    pub fn push_state(&mut self, time: f64, [q, v, momentum]: [&[f64]; 3], guess: &mut [f64]) {
+        self.order = self.best_order(time, q, guess);
+        self.count = (self.count + 1).min(KEPT);
+        self.times.rotate_right(1);
+        self.times[0] = time;
         for (past, now) in [(&mut self.coordinates, q), (&mut self.velocities, v), (&mut self.momenta, momentum)] {
-            past.push_front(now);
-            past.truncate(KEPT);
+            past.rotate_right(1);
+            past[0].copy_from_slice(now);
         }
     }
 }
 
 impl Stencil {
-    /// Σ w x_past.
-    pub fn weighted_history(&self, past: &VecDeque<Vec<f64>>) -> Vec<f64> {
-        let mut sum = vec![0.0; past[0].len()];
-        self.weights.iter().zip(past).for_each(|(weight, x)| crate::chambers::add(&mut sum, *weight, x));
-        sum
+    /// Fills `sum` with Σ w x_past.
+    pub fn weigh_history(&self, past: &[Vec<f64>; KEPT], sum: &mut [f64]) {
+        sum.fill(0.0);
+        self.weights.iter().zip(past).for_each(|(weight, x)| add(sum, *weight, x));
     }
 }

@@ -14,6 +14,22 @@ pub struct Water {
     pub(crate) by: Vec<[Lanes; 4]>,
 }
 
+/// Sums over sections in lanes, kept from one evaluation to the next.
+#[derive(Debug, Clone)]
+pub(crate) struct WaterSums {
+    forces: Vec<Lanes>,
+    momentum: Vec<Lanes>,
+    stiffness: Vec<Lanes>,
+}
+
+impl WaterSums {
+    /// Of `r` coordinates.
+    pub(crate) fn new(r: usize) -> Self {
+        let zeros = |count: usize| vec![Lanes::ZERO; count];
+        Self { forces: zeros(r), momentum: zeros(r), stiffness: zeros(r * r) }
+    }
+}
+
 /// A pair of lanes: x and y.
 pub(crate) type Pair = [Lanes; 2];
 
@@ -41,39 +57,50 @@ impl Water {
     }
 
     /// Adds γ Π less the force (J), and fills Π (J s).
-    pub fn add_forces(&self, (q, v): (&[f64], &[f64]), gamma: f64, (forces, momentum): (&mut [f64], &mut [f64])) {
-        let mut sums = [vec![splat(0.0); q.len()], vec![splat(0.0); q.len()]];
+    pub(crate) fn add_forces(
+        &self,
+        (q, v, gamma): (&[f64], &[f64], f64),
+        sums: &mut WaterSums,
+        (forces, momentum): (&mut [f64], &mut [f64]),
+    ) {
+        sums.forces.fill(Lanes::ZERO);
+        sums.momentum.fill(Lanes::ZERO);
         for (block, [mass, drag, sheds, leaves]) in self.by.iter().enumerate() {
             let motion = self.section_motion(block, q, v);
             let ([w, _], normal, flux) = (motion.speeds(), motion.normal(), motion.momentum_flux());
             let normal_momentum = *mass * w;
             let resists = splat(gamma) * normal_momentum + *drag * w.abs() * w;
             let push = [0, 1].map(|k| resists * normal[k] - *leaves * flux[k]);
-            scatter(self.value.block(block), &push, &mut sums[0]);
-            scatter(self.slope.block(block), &flux.map(|flux| *sheds * flux), &mut sums[0]);
-            scatter(self.value.block(block), &normal.map(|normal| normal_momentum * normal), &mut sums[1]);
+            scatter(self.value.block(block), &push, &mut sums.forces);
+            scatter(self.slope.block(block), &flux.map(|flux| *sheds * flux), &mut sums.forces);
+            scatter(self.value.block(block), &normal.map(|normal| normal_momentum * normal), &mut sums.momentum);
         }
         momentum.fill(0.0);
-        add_reduced(&sums[0], forces);
-        add_reduced(&sums[1], momentum);
+        add_reduced(&sums.forces, forces);
+        add_reduced(&sums.momentum, momentum);
     }
 
     /// Adds the derivative of the same by q, where q̇ follows q by γ.
-    pub fn add_stiffness(&self, (q, v): (&[f64], &[f64]), gamma: f64, stiffness: &mut [f64]) {
+    pub(crate) fn add_stiffness(
+        &self,
+        (q, v, gamma): (&[f64], &[f64], f64),
+        sums: &mut WaterSums,
+        stiffness: &mut [f64],
+    ) {
         let r = q.len();
-        let mut sums = vec![splat(0.0); r * r];
+        sums.stiffness.fill(Lanes::ZERO);
         for (block, by) in self.by.iter().enumerate() {
             let motion = self.section_motion(block, q, v);
             let (slope, value) = (self.slope.block(block), self.value.block(block));
-            for (m, sums) in sums.chunks_exact_mut(r).enumerate() {
+            for (m, sums) in sums.stiffness.chunks_exact_mut(r).enumerate() {
                 let change = Motion { tangent: slope[m], velocity: value[m].map(|speed| splat(gamma) * speed) };
                 let [push, turn] = motion.force_change(&change, by, gamma);
                 scatter(value, &push, sums);
                 scatter(slope, &turn, sums);
             }
         }
-        for (at, lanes) in sums.iter().enumerate() {
-            stiffness[at % r * r + at / r] += lanes.sum();
+        for (entry, lanes) in sums.stiffness.iter().enumerate() {
+            stiffness[entry % r * r + entry / r] += lanes.sum();
         }
     }
 }
@@ -141,11 +168,11 @@ mod tests {
             let (mut q, mut v) = (q, v);
             (q[along], v[along]) = (q[along] + by, v[along] + gamma * by);
             let (mut forces, mut momentum) = ([0.0; R], [0.0; R]);
-            water.add_forces((&q, &v), gamma, (&mut forces, &mut momentum));
+            water.add_forces((&q, &v, gamma), &mut WaterSums::new(R), (&mut forces, &mut momentum));
             forces
         };
         let mut stiffness = [0.0; R * R];
-        water.add_stiffness((&q, &v), gamma, &mut stiffness);
+        water.add_stiffness((&q, &v, gamma), &mut WaterSums::new(R), &mut stiffness);
         let h = 1e-6;
         for along in 0..R {
             let (above, below) = (forces(along, h), forces(along, -h));
@@ -165,7 +192,7 @@ mod tests {
         let (q, v) = ([0.0; R], [1.0, -2.0, 4.0]);
         let power = |forces: &[f64; R]| forces.iter().zip(&v).map(|(f, v)| f * v).sum::<f64>();
         let (mut forces, mut momentum) = ([0.0; R], [0.0; R]);
-        water.add_forces((&q, &v), 0.0, (&mut forces, &mut momentum));
+        water.add_forces((&q, &v, 0.0), &mut WaterSums::new(R), (&mut forces, &mut momentum));
         assert!(power(&momentum) > 0.0 && power(&forces) > 0.0);
     }
 }
