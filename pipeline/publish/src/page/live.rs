@@ -57,7 +57,7 @@ impl LiveTail {
 pub(super) fn live_section(tails: &[LiveTail]) -> String {
     let content = match tails.is_empty() {
         true => "<p>No motion was validated yet: <code>study run validate</code>.</p>\n".to_owned(),
-        false => format!("<canvas id=\"live-tail\"></canvas>\n{PANEL}"),
+        false => format!("{CANVAS}\n{PANEL}"),
     };
     let data: Vec<String> = tails.iter().map(LiveTail::tail_json).collect();
     // `<` is escaped, so that no text can end the script
@@ -66,9 +66,13 @@ pub(super) fn live_section(tails: &[LiveTail]) -> String {
         + &format!("<script type=\"application/json\" id=\"tails\">{data}</script>\n")
 }
 
+const CANVAS: &str = "<canvas id=\"live-tail\" role=\"img\" aria-label=\"the tail from above as it moves, and the path of its marker beside it\"></canvas>";
+
 const PANEL: &str = "<div class=\"panel\"><select id=\"live-name\" aria-label=\"specimen\"></select><button id=\"live-play\">play</button>\
-<label>amplitude <input type=\"range\" id=\"live-amplitude\" min=\"0\" max=\"1\" step=\"0.01\" value=\"0.8\"></label>\
-<label>frequency <input type=\"range\" id=\"live-frequency\" min=\"0.5\" max=\"5\" step=\"0.1\" value=\"2\"></label>\
+<label>highest pressure <input type=\"range\" id=\"live-amplitude\" min=\"0\" max=\"1\" step=\"0.01\" value=\"0.8\"> \
+<output id=\"live-pressure\" for=\"live-amplitude\"></output></label>\
+<label>frequency <input type=\"range\" id=\"live-frequency\" min=\"0.5\" max=\"5\" step=\"0.1\" value=\"2\"> \
+<output id=\"live-hertz\" for=\"live-frequency\"></output></label>\
 <label><input type=\"checkbox\" id=\"live-recorded\"> pressures of a recorded trial</label><output id=\"live-said\"></output></div>\n\
 <p class=\"story\">The identified, hyper-reduced and relaxing tail seen from above, stepped 240 times a second by this browser. Blue: path of the marker \
 in the model; orange: its recorded path, under the recorded pressures.</p>\n";
@@ -100,7 +104,12 @@ mod tests {
     #[test]
     fn the_section_has_its_controls_or_says_what_is_missing() {
         let html = live_section(&[tail()]);
-        assert!(html.contains("live-amplitude") && html.contains("a\\u003cb"), "{html}");
+        assert!(
+            html.contains("live-amplitude")
+                && html.contains("aria-label=\"the tail from above")
+                && html.contains("a\\u003cb"),
+            "{html}"
+        );
         assert!(live_section(&[]).contains("study run validate"));
     }
 }

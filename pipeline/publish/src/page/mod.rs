@@ -103,7 +103,9 @@ impl Page {
     fn inflated_tail(&self) -> String {
         let content = match self.bodies.is_empty() {
             true => "<p>No tail was inflated yet: <code>study run inflate</code>.</p>".into(),
-            false => format!("<canvas id=\"stage\"></canvas>\n{PANEL}"),
+            false => format!(
+                "<canvas id=\"stage\" role=\"img\" aria-label=\"the inflated tail, turned by dragging\"></canvas>\n{PANEL}"
+            ),
         };
         let bodies: Vec<String> = self.bodies.iter().map(Body::json).collect();
         // `<` is escaped, so that no text can end the script
