@@ -120,9 +120,19 @@ pub(crate) fn certify_end(
     let predicted = reduced.solve(elastic, Derivatives::None)?;
     whole.add_guesses(elastic, &predicted);
     let levels = whole.solve(elastic, derivatives)?;
-    let each = whole.levels().iter().zip(predicted.iter().zip(&levels));
-    let sigma = each.map(|(level, pair)| largest_difference(level, pair, discrepancy)).fold(0.0, f64::max);
+    let sigma = largest_standardised(whole.levels(), (&predicted, &levels), discrepancy);
     Ok((levels, sigma))
+}
+
+/// The largest difference of two displacements of a marker at any level, over its deviation, to which `discrepancy` (m) adds.
+pub(crate) fn largest_standardised(
+    measured: &[PressureLevel],
+    (a, b): (&[SimulatedLevel], &[SimulatedLevel]),
+    discrepancy: Metre,
+) -> f64 {
+    // length: both are of the measured levels
+    let each = measured.iter().zip(a.iter().zip(b));
+    each.map(|(level, pair)| largest_difference(level, pair, discrepancy)).fold(0.0, f64::max)
 }
 
 /// The largest difference of two displacements of a marker at one level, over its deviation.

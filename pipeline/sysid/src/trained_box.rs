@@ -6,8 +6,8 @@
 use optimize::Bounds;
 use si::Second;
 
-use crate::certified::{Certificate, ROUNDS, certify_end};
-use crate::levels::{Derivatives, LevelSolver};
+use crate::certified::{Certificate, ROUNDS, certify_end, largest_standardised};
+use crate::levels::{Derivatives, LevelSolver, SimulatedLevel};
 use crate::loss::{Loss, SearchResult};
 use crate::model::Elastic;
 use crate::search::feasible_lower_bound;
@@ -16,6 +16,17 @@ use diagnostics::Result;
 /// A search and how long it took, s.
 pub type TimedSearch = (SearchResult, Second);
 
+/// Ends whose markers are nearer to each other than this part of their deviations share the whole body's equilibria: methods that find one minimum
+/// end a step apart, and each end costs the whole body all levels.
+const SHARED: f64 = 1.0;
+
+/// The whole body at the end of a search.
+struct CertifiedEnd {
+    elastic: Elastic,
+    levels: Vec<SimulatedLevel>,
+    round: usize,
+}
+
 /// The whole body and its reduced model.
 pub struct TrainedBox<'a> {
     loss: &'a Loss<'a>,
@@ -23,7 +34,7 @@ pub struct TrainedBox<'a> {
     reduced: LevelSolver,
     middle: Elastic,
     certificate: Certificate,
-    whole_seconds: Second,
+    ends: Vec<CertifiedEnd>,
 }
 
 impl<'a> TrainedBox<'a> {
@@ -41,7 +52,7 @@ impl<'a> TrainedBox<'a> {
         let levels = whole.solve(&middle, Derivatives::Sensitivities)?;
         let mut reduced = whole.train_reduced()?;
         reduced.correct_markers(&middle, Derivatives::Sensitivities, &levels)?;
-        Ok(Self { loss, whole, reduced, middle, certificate: Certificate::default(), whole_seconds: 0.0 })
+        Ok(Self { loss, whole, reduced, middle, certificate: Certificate::default(), ends: Vec::new() })
     }
 
     /// The reduced model.
@@ -49,9 +60,10 @@ impl<'a> TrainedBox<'a> {
         &self.reduced
     }
 
-    /// How long the whole body takes for its equilibria at all levels, on average over the ends that were certified, s of one core.
+    /// How long the whole body takes for its equilibria at all levels, on average over the ends where it was solved, s of one core.
     pub fn whole_seconds(&self) -> Second {
-        self.whole_seconds
+        let levels = self.ends.iter().flat_map(|end| &end.levels);
+        levels.map(|level| level.forward_seconds).sum::<Second>() / self.ends.len().max(1) as f64
     }
 
     /// The searches that `run` makes in the reduced model, certified at their ends: where the whole body differs there, it enriches the model
@@ -65,10 +77,10 @@ impl<'a> TrainedBox<'a> {
     ) -> Result<(Vec<TimedSearch>, Certificate)> {
         loop {
             self.certificate = Certificate { rounds: self.certificate.rounds + 1, sigma: 0.0, ..self.certificate };
-            self.whole_seconds = 0.0;
             let searches = run(&self.reduced)?;
             for (search, _) in &searches {
-                self.certify_search(&self.loss.elastic(&search.history.best.at), searches.len())?;
+                let sigma = self.end_difference(&self.loss.elastic(&search.history.best.at))?;
+                self.certificate.sigma = self.certificate.sigma.max(sigma);
             }
             if self.certificate.holds() || self.certificate.rounds == ROUNDS {
                 return Ok((searches, self.certificate));
@@ -79,14 +91,26 @@ impl<'a> TrainedBox<'a> {
         }
     }
 
-    /// Certifies one of so many `ends`.
-    fn certify_search(&mut self, elastic: &Elastic, ends: usize) -> Result<()> {
-        let certification = (Derivatives::Sensitivities, self.loss.misfit.discrepancy());
+    /// The largest difference of a marker from the whole body at an end, over its deviation: by an end nearby where the whole body is known, and
+    /// either certifies or was solved in this round; else by the whole body there.
+    fn end_difference(&mut self, elastic: &Elastic) -> Result<f64> {
+        let discrepancy = self.loss.misfit.discrepancy();
+        let predicted = self.reduced.solve(elastic, Derivatives::None)?;
+        for end in &self.ends {
+            let nearby = self.reduced.solve(&end.elastic, Derivatives::None)?;
+            let levels = self.whole.levels();
+            let sigma = largest_standardised(levels, (&nearby, &end.levels), discrepancy);
+            let is_shared = largest_standardised(levels, (&nearby, &predicted), discrepancy) < SHARED;
+            if is_shared && (Certificate { sigma, ..self.certificate }.holds() || end.round == self.certificate.rounds)
+            {
+                return Ok(sigma);
+            }
+        }
+        let certification = (Derivatives::Sensitivities, discrepancy);
         let (levels, sigma) = certify_end((&mut self.whole, &mut self.reduced), elastic, certification)?;
-        self.certificate.sigma = self.certificate.sigma.max(sigma);
         self.certificate.whole_equilibria += levels.len();
-        self.whole_seconds += levels.iter().map(|level| level.forward_seconds).sum::<Second>() / ends as f64;
-        Ok(())
+        self.ends.push(CertifiedEnd { elastic: elastic.clone(), levels, round: self.certificate.rounds });
+        Ok(sigma)
     }
 }
 

@@ -93,7 +93,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("typeset", &["diagnostics"]),
-    ("python", &["diagnostics", "mesh", "fem", "track", "instruments", "simulate", "sysid", "twin", "workflow", "study"]),
+    (
+        "python",
+        &["diagnostics", "mesh", "fem", "track", "instruments", "simulate", "sysid", "twin", "workflow", "study"],
+    ),
 ];
 
 /// Crates that `cargo build` leaves out: their dependencies take long or need Python, and nothing else needs them.
