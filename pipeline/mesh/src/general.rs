@@ -3,13 +3,17 @@
 //! A mesh is judged by its angles and its distance from the surfaces. Where it misses what is aimed at it is made again with another lattice or a
 //! closer envelope, and the best one is taken: operations that keep validity promise no quality, and another start mostly reaches it.
 
+use crate::closing::{Repairs, closed_surface};
 use crate::columns::check_size;
 use crate::foreign::RawMesh;
 use crate::quality::dihedral_quantile;
 use crate::validate::{self, Limits, Reference};
 use crate::{Assembly, MeshError, Report, Settings, Solid, Surface, TetMesh};
+use si::Metre;
 use tetrahedralize::tetrahedralize_watched;
 
+/// Gaps are welded that are narrower than this part of the envelope: wider ones may be slits.
+const SEAM: f64 = 0.25;
 /// Times that a body is meshed.
 const ATTEMPTS: usize = 3;
 /// The smallest angle of all elements and of all but one in a thousand that are aimed at, degrees.
@@ -39,6 +43,8 @@ pub(crate) fn mesh_general(
     watch: &dyn Fn(&str),
 ) -> Result<(TetMesh, Report), MeshError> {
     let mut wishes = tetrahedralize::Settings::new(set.edge);
+    let closed = ClosedParts::of_assembly(assembly, SEAM * wishes.envelope);
+    let assembly = &closed.assembly();
     let parts = assembly.inserts.iter().map(|s| ("insert", *s)).chain(assembly.cavities.iter().map(|s| ("cavity", *s)));
     let named: Vec<(&'static str, &Surface)> = std::iter::once(("body", assembly.body)).chain(parts).collect();
     check_size(&named, set)?;
@@ -53,7 +59,7 @@ pub(crate) fn mesh_general(
             ));
         }
         match mesh_candidate((assembly, visible.as_ref()), set, &wishes, watch) {
-            Ok(latest) if latest.miss <= 1.0 => return Ok((latest.mesh, latest.report)),
+            Ok(latest) if latest.miss <= 1.0 => return Ok((latest.mesh, closed.with_repairs(latest.report))),
             Ok(latest) => {
                 wishes = closer_settings(wishes, latest.report.hausdorff_m / aim);
                 let former_miss = best.as_ref().map_or(f64::INFINITY, |b| b.miss);
@@ -74,8 +80,44 @@ pub(crate) fn mesh_general(
         }
     }
     match (best, refusal) {
-        (Some(candidate), _) => Ok((candidate.mesh, candidate.report)),
+        (Some(candidate), _) => Ok((candidate.mesh, closed.with_repairs(candidate.report))),
         (None, why) => Err(why.unwrap_or(MeshError::Nothing)),
+    }
+}
+
+/// The surfaces of an assembly with their gaps and holes closed, and what was done.
+struct ClosedParts {
+    body: Surface,
+    inserts: Vec<Surface>,
+    cavities: Vec<Surface>,
+    repairs: Repairs,
+}
+
+impl ClosedParts {
+    /// With gaps up to `tolerance` (m) welded.
+    fn of_assembly(assembly: &Assembly, tolerance: Metre) -> Self {
+        let mut repairs = Repairs::new();
+        let mut closed = |surface: &&Surface| match closed_surface(surface, tolerance) {
+            Some((closed, lines)) => {
+                repairs.extend(lines);
+                closed
+            }
+            None => (*surface).clone(),
+        };
+        let body = closed(&assembly.body);
+        let inserts = assembly.inserts.iter().map(&mut closed).collect();
+        let cavities = assembly.cavities.iter().map(&mut closed).collect();
+        Self { body, inserts, cavities, repairs }
+    }
+
+    fn assembly(&self) -> Assembly<'_> {
+        let (inserts, cavities) = (self.inserts.iter().collect(), self.cavities.iter().collect());
+        Assembly { body: &self.body, inserts, cavities }
+    }
+
+    /// A report that begins with what was closed.
+    fn with_repairs(&self, report: Report) -> Report {
+        Report { repairs: self.repairs.iter().cloned().chain(report.repairs).collect(), ..report }
     }
 }
 

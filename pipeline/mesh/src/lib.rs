@@ -36,6 +36,7 @@
 mod assembly;
 mod cavities;
 mod choice;
+mod closing;
 mod columns;
 mod conforming;
 mod distance;

@@ -13,6 +13,9 @@ use crate::tree::Tree;
 /// Shells beyond so many are not compared with each other.
 const MAX_SHELLS: usize = 200;
 
+/// Winding number of a surface (absolute) above which a point lies within it, and below one less this outside.
+const WITHIN: f64 = 0.9;
+
 /// What was changed of a surface before it was meshed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Repair {
@@ -103,38 +106,61 @@ fn consistent_shells(faces: &[[u32; 3]]) -> (Vec<u32>, Vec<bool>) {
     (shell, turned)
 }
 
-/// Turns a body that is inside out, and shells that lie within an odd number of others and look outwards.
+/// Turns shells that look inwards where nothing surrounds them, and shells that lie within an odd number of others and look outwards.
 fn turn_shells(part: &mut Part, shell: &[u32], count: usize) -> Vec<Repair> {
+    if count > MAX_SHELLS {
+        return Vec::new();
+    }
     let triangles = part.triangles();
-    let mut volumes = vec![0.0; count];
-    for (face, [a, b, c]) in triangles.iter().enumerate() {
-        volumes[shell[face] as usize] += dot(*a, cross(*b, *c)) / 6.0;
-    }
     let members = |number: usize| (0..shell.len()).filter(move |f| shell[*f] as usize == number);
+    let shells: Vec<Vec<[Point3; 3]>> = (0..count).map(|n| members(n).map(|f| triangles[f]).collect()).collect();
+    let mut looks_outwards: Vec<bool> = shells.iter().map(|shell| enclosed_volume(shell) > 0.0).collect();
     let mut repairs = Vec::new();
-    if volumes.iter().all(|v| *v <= 0.0) {
-        let first_point = triangles.first().map_or([0.0; 3], |t| t[0]);
-        repairs.push(Repair::Turned { faces: part.faces.len(), at: first_point });
-        part.faces.iter_mut().for_each(|f| f.swap(1, 2));
-        volumes.iter_mut().for_each(|v| *v = -*v);
+    // a body that is inside out, whether or not its shells cross
+    if !looks_outwards.contains(&true) {
+        repairs.push(Repair::Turned { faces: part.faces.len(), at: triangles.first().map_or([0.0; 3], |t| t[0]) });
+        part.faces.iter_mut().for_each(|face| face.swap(1, 2));
+        looks_outwards.fill(true);
     }
-    let outwards: Vec<usize> = (0..count).filter(|n| volumes[*n] > 0.0).collect();
-    if outwards.len() < 2 || count > MAX_SHELLS {
-        return repairs;
-    }
-    let trees: Vec<Tree> =
-        outwards.iter().map(|n| Tree::new(&members(*n).map(|f| triangles[f]).collect::<Vec<_>>())).collect();
-    for (place, number) in outwards.iter().enumerate() {
-        // every corner within: parts that overlap or touch are united instead
-        let corners: Vec<Point3> = members(*number).map(|f| triangles[f][0]).collect();
-        let holds =
-            |other: &usize| *other != place && corners.iter().all(|p| trees[*other].winding_number(*p).abs() > 0.9);
-        if (0..outwards.len()).filter(holds).count() % 2 == 1 {
-            repairs.push(Repair::Cavity { at: corners[0] });
-            members(*number).for_each(|f| part.faces[f].swap(1, 2));
-        }
+    let nesting = if count == 1 { Vec::new() } else { nesting_depths(&shells) };
+    for (number, depth) in nesting.into_iter().enumerate() {
+        let first_corner = shells[number][0][0];
+        let repair = match depth {
+            Some(depth) if depth % 2 == 1 && looks_outwards[number] => Repair::Cavity { at: first_corner },
+            Some(depth) if depth % 2 == 0 && !looks_outwards[number] => {
+                Repair::Turned { faces: shells[number].len(), at: first_corner }
+            }
+            _ => continue,
+        };
+        repairs.push(repair);
+        members(number).for_each(|f| part.faces[f].swap(1, 2));
     }
     repairs
+}
+
+fn enclosed_volume(shell: &[[Point3; 3]]) -> f64 {
+    shell.iter().map(|[a, b, c]| dot(*a, cross(*b, *c)) / 6.0).sum()
+}
+
+/// In how many others each shell lies with every corner; none where it crosses one, touches it, or lies in the opening of one that is not
+/// closed: parts that overlap are united instead, and a cavity behind a hole stays one.
+fn nesting_depths(shells: &[Vec<[Point3; 3]>]) -> Vec<Option<usize>> {
+    let trees: Vec<Tree> = shells.iter().map(|shell| Tree::new(shell)).collect();
+    let is_within = |shell: &[[Point3; 3]], other: &Tree| {
+        let windings = || shell.iter().map(|t| other.winding_number(t[0]).abs());
+        let first = windings().next().unwrap_or(0.0);
+        match first {
+            within if within > WITHIN => windings().all(|winding| winding > WITHIN).then_some(true),
+            outside if outside < 1.0 - WITHIN => windings().all(|winding| winding < 1.0 - WITHIN).then_some(false),
+            _ => None,
+        }
+    };
+    let depth = |number: usize| {
+        let others = (0..shells.len()).filter(|other| *other != number);
+        let within: Option<Vec<bool>> = others.map(|other| is_within(&shells[number], &trees[other])).collect();
+        within.map(|within| within.into_iter().filter(|is_within| *is_within).count())
+    };
+    (0..shells.len()).map(depth).collect()
 }
 
 /// Faces of some area, once each.

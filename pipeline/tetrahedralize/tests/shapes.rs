@@ -80,6 +80,15 @@ fn a_flipped_patch_and_faces_that_lie_twice_are_repaired_and_reported() {
 }
 
 #[test]
+fn shells_whose_faces_look_any_way_become_a_body_with_its_cavity() {
+    let mut hollow = joined(block([0.0; 3], [0.03, 0.03, 0.03]), &block([0.01; 3], [0.02; 3]), true);
+    for flipped in [vec![0, 3, 5, 6, 8, 9, 10], vec![12, 14, 15, 17, 20, 22], (0..24).collect()] {
+        flipped.into_iter().for_each(|face: usize| hollow.faces[face].swap(0, 1));
+        sound(hollow.clone(), 5e-3, 2.6e-5);
+    }
+}
+
+#[test]
 fn a_closed_part_within_another_is_a_cavity_and_is_reported() {
     let nested = joined(block([0.0; 3], [0.03, 0.03, 0.03]), &block([0.01; 3], [0.02; 3]), false);
     let solid = sound(nested, 5e-3, 2.6e-5);
