@@ -52,7 +52,7 @@ pub use loads::Loads;
 pub use path::FollowedPath;
 use probes::Table;
 pub use probes::{Probe, probes};
-pub use reduction::{NamedRange, ReduceOptions, reduce};
+pub use reduction::{NamedRange, ReduceOptions, Trained, TrainingBox, reduce, train_reduced};
 pub use solid::{Loaded, load, raw_mesh, read_surface, tables};
 pub use statics::{Converged, Levels, LostLevel};
 

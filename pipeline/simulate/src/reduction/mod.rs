@@ -14,7 +14,7 @@ use crate::{load, stem_of};
 use diagnostics::{Diagnostic, Result, output};
 use file::TrainingNote;
 pub use ranges::NamedRange;
-use training::{Trained, Training, TrainingBox, most_dimensions};
+pub use training::{Trained, TrainingBox, train_reduced};
 
 /// What is reduced, and how well.
 #[derive(Debug, Clone)]
@@ -44,7 +44,7 @@ pub fn reduce(options: &ReduceOptions) -> Result<String> {
     let path = &options.case;
     let named = |e: Diagnostic| e.in_file_unless_named(path);
     let case = read(path)?;
-    check_reducible(&case, options).map_err(named)?;
+    check_reducible(&case).map_err(named)?;
     let loaded = load(&case, path.parent().unwrap_or(path)).map_err(named)?;
     let body = Body::new(&case, &loaded).map_err(named)?;
     let constants = options.over.iter().map(|range| Ok((range.as_parameter(&body)?, range.clone())));
@@ -62,7 +62,7 @@ pub fn reduce(options: &ReduceOptions) -> Result<String> {
     };
     let tolerance = case.statics.as_ref().map_or(StaticSettings::default().tolerance, |set: &Static| set.tolerance);
     let settings = StaticSettings { tolerance, ..StaticSettings::default() };
-    let Trained { model, taught, checked } = Training::new(&body.system, &space, settings).run_training(&progress)?;
+    let Trained { model, taught, checked } = train_reduced(&body.system, &space, settings, &progress)?;
     let note = TrainingNote {
         constants: options.over.clone(),
         pressures: space.pressures,
@@ -82,8 +82,8 @@ pub fn reduce(options: &ReduceOptions) -> Result<String> {
 }
 
 /// # Errors
-/// A [`Diagnostic`] when something acts that a reduced model leaves out, or nothing varies.
-fn check_reducible(case: &Case, options: &ReduceOptions) -> Result<()> {
+/// A [`Diagnostic`] when something acts that a reduced model leaves out.
+fn check_reducible(case: &Case) -> Result<()> {
     let acting = [
         (case.gravity != [0.0; 3], "gravity"),
         (!case.load.is_empty(), "a load"),
@@ -97,14 +97,6 @@ fn check_reducible(case: &Case, options: &ReduceOptions) -> Result<()> {
             reason,
             "leave it out of a case of its own for the reduction",
         ));
-    }
-    if options.pressures.iter().all(|range| range.low == range.high) {
-        let reason = "its shapes are those that the body takes under them";
-        return Err(Diagnostic::new("no pressure varies", reason, "give --pressure CHAMBER=LOW..HIGH, in Pa"));
-    }
-    if options.over.len() + options.pressures.len() > most_dimensions() {
-        let reason = format!("points are drawn from at most {} of them", most_dimensions());
-        return Err(Diagnostic::new("too many ranges are given", reason, "leave out those that matter least"));
     }
     Ok(())
 }

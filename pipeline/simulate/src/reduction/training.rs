@@ -25,11 +25,12 @@ const CUBATURE: f64 = 0.1;
 /// Bases of Halton's sequence: a reduced model is trained over at most so many constants and chambers.
 const BASES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
 
-/// The box, and how well the model must serve in it.
+/// The box of constants and pressures over which a model is trained, and how well it must serve in it.
 #[derive(Debug, Clone)]
-pub(super) struct TrainingBox {
+pub struct TrainingBox {
+    /// E (Pa) or ν of a region each; others are those of the body.
     pub constants: Vec<(Parameter, NamedRange)>,
-    /// One per chamber of the mesh.
+    /// One per chamber of the mesh, Pa.
     pub pressures: Vec<NamedRange>,
     /// Largest difference of a node from the whole body, over the largest displacement in the box.
     pub tolerance: f64,
@@ -39,12 +40,36 @@ pub(super) struct TrainingBox {
 
 /// A trained model.
 #[derive(Debug)]
-pub(super) struct Trained {
+pub struct Trained {
+    /// The model.
     pub model: Arc<ReducedModel>,
     /// Equilibria that taught it.
     pub taught: usize,
     /// Points that were checked and not taught, and their largest difference.
     pub checked: (usize, f64),
+}
+
+/// Trains a reduced model of a body in the box; `progress` is told of each point.
+///
+/// # Errors
+/// A [`Diagnostic`] when there are too many ranges, none of a pressure, the whole body has no equilibrium in the box, or the model does not serve
+/// after so many equilibria.
+pub fn train_reduced(
+    system: &System,
+    space: &TrainingBox,
+    settings: StaticSettings,
+    progress: &dyn Fn(&str),
+) -> Result<Trained> {
+    if space.pressures.iter().all(|range| range.low == range.high) {
+        let reason = "its shapes are those that the body takes under them";
+        return Err(Diagnostic::new("no pressure varies", reason, "give a range of a chamber's pressure, in Pa"));
+    }
+    let varied = space.pressures.iter().filter(|range| range.low < range.high).count();
+    if space.constants.len() + varied > BASES.len() {
+        let reason = format!("points are drawn from at most {} of them", BASES.len());
+        return Err(Diagnostic::new("too many ranges are given", reason, "leave out those that matter least"));
+    }
+    Training { system, space, settings, equilibria: Vec::new() }.run_training(progress)
 }
 
 /// A point of the box.
@@ -62,21 +87,17 @@ struct TrainingEquilibrium {
 }
 
 /// The whole body with what it has taught.
-pub(super) struct Training<'a> {
-    pub system: &'a System,
-    pub space: &'a TrainingBox,
-    pub settings: StaticSettings,
+struct Training<'a> {
+    system: &'a System,
+    space: &'a TrainingBox,
+    settings: StaticSettings,
     equilibria: Vec<TrainingEquilibrium>,
 }
 
 impl<'a> Training<'a> {
-    pub fn new(system: &'a System, space: &'a TrainingBox, settings: StaticSettings) -> Self {
-        Self { system, space, settings, equilibria: Vec::new() }
-    }
-
     /// # Errors
     /// A [`Diagnostic`] when the whole body has no equilibrium in the box, the model cannot be made, or it does not serve after so many equilibria.
-    pub(crate) fn run_training(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
+    fn run_training(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
         self.follow_pressures()?;
         let (mut model, mut checked, mut number) = (self.reduced_model()?, (0, 0.0_f64), 0);
         while checked.0 < CHECKS {
@@ -248,9 +269,4 @@ fn radical_inverse(mut number: usize, base: usize) -> f64 {
         (number, digit) = (number / base, digit / base as f64);
     }
     sum
-}
-
-/// Constants and chambers over which a model can be trained.
-pub(super) fn most_dimensions() -> usize {
-    BASES.len()
 }
