@@ -79,14 +79,32 @@ struct States {
 
 impl States {
     fn keep(&mut self, time: f64, state: &State, signals: &Signals) {
+        if signals.is_raised() {
+            return;
+        }
+        if let Err(refusal) = self.require_memory(state) {
+            signals.raise(refusal);
+            return;
+        }
         self.times.push(time);
         self.displacement.extend(&state.displacement);
         self.velocity.extend(&state.velocity);
-        // An exception of the callback ends the solve; after Ctrl-C there is nobody to report to.
-        if let Some(progress) = self.progress.as_ref().filter(|_| !signals.is_raised()) {
+        // An exception of the callback ends the solve.
+        if let Some(progress) = &self.progress {
             let done = (self.times.len(), self.planned);
             Python::attach(|py| progress.call1(py, done).map(|_| ())).unwrap_or_else(|error| signals.raise(error));
         }
+    }
+
+    /// Holds that the lists can take a further state: of adaptive steps the number is not known before.
+    fn require_memory(&self, state: &State) -> PyResult<()> {
+        let grows = self.displacement.len() + state.displacement.len() > self.displacement.capacity();
+        if !grows || self.times.is_empty() {
+            return Ok(());
+        }
+        // both lists double, beside those that they replace
+        let bytes = 2.0 * 2.0 * 8.0 * self.displacement.capacity() as f64;
+        memory::require(&format!("a motion of more than {} steps", self.times.len()), bytes)
     }
 
     /// The exception of a motion that ended here, which holds time and state.

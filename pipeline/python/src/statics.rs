@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Reals, array, slice, vector};
-use crate::errors::{Kind, of_diagnostic, raised, refused};
+use crate::errors::{Kind, exception, of_diagnostic, raised, refused};
 use crate::solver::{OfCase, Solver};
-use simulate::{Budget, Converged, Levels, LostLevel};
+use simulate::{Budget, Converged, Exceeded, Levels, LostLevel};
 
 /// Settings of a static solve.
 #[derive(FromPyObject)]
@@ -63,6 +63,11 @@ pub(crate) fn lost_level(lost: LostLevel) -> PyErr {
         value.setattr("_last", found_equilibrium(py, empty)?)
     });
     held.err().unwrap_or(error)
+}
+
+fn late_modes(count: usize, limit: Exceeded) -> PyErr {
+    let what = format!("{count} modes are not found");
+    exception(Kind::Budget, [&what, &limit.to_string(), "ask for fewer modes, or raise the limit"])
 }
 
 /// A direction in the space of parameters.
@@ -202,17 +207,25 @@ impl Solver {
         Ok(array(py, changed))
     }
 
-    /// The `count` lowest natural frequencies (Hz) about an equilibrium, and their shapes one after the other.
+    /// The lowest natural frequencies (Hz) about an equilibrium, and their shapes one after the other: so many are `asked` for, within so many
+    /// seconds where they are limited.
     fn modes<'py>(
         &self,
         py: Python<'py>,
         inputs: &Bound<'py, PyDict>,
         at: (Reals<'py>, Vec<f64>),
-        count: usize,
+        asked: (usize, Option<f64>),
     ) -> PyResult<(Vec<f64>, Bound<'py, PyArray1<f64>>)> {
-        let (displacement, pressures) = at;
+        let ((displacement, pressures), (count, timeout)) = (at, asked);
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        let modes = self.run(py, inputs, move |solver, _| solver.modes(&at, count).map_err(raised))?;
+        let modes = self.run(py, inputs, move |solver, signals| {
+            let watch = Budget { timeout, ..Budget::default() }.watch(Some(signals.interrupt()));
+            solver.set_interrupt(Some(watch.interrupt()));
+            solver.modes(&at, count).map_err(|cause| match watch.exceeded() {
+                Some(limit) => late_modes(count, limit),
+                None => raised(cause),
+            })
+        })?;
         let frequencies = modes.iter().map(|mode| mode.frequency).collect();
         Ok((frequencies, array(py, modes.into_iter().flat_map(|mode| mode.shape).collect())))
     }

@@ -133,6 +133,23 @@ def test_names_of_gmsh_and_surfaces_come_through() -> None:
         assert sf.Case(case, mesh=other).solver().dofs == 3 * int(np.sum(mesh.nodes[:, 0] > 0))
 
 
+@pytest.mark.parametrize("kind, face", [("hexahedra", "quad"), ("quadratic_hexahedra", "quad8")])
+def test_names_of_surfaces_of_hexahedra_come_through(kind: str, face: str) -> None:
+    meshio = pytest.importorskip("meshio")
+    mesh = box(kind)
+    sides = mesh.elements[:, [0, 3, 2, 1] if kind == "hexahedra" else [0, 3, 2, 1, 11, 10, 9, 8]]
+    nodes = np.vstack([[[0.05, 0.05, 0.05]], mesh.nodes])
+    given = meshio.Mesh(
+        nodes,
+        [("hexahedron" if kind == "hexahedra" else "hexahedron20", mesh.elements + 1), (face, sides + 1)],
+        cell_data={"gmsh:physical": [np.ones(len(mesh.elements), int), np.full(len(sides), 5)]},
+        field_data={"silicone": np.array([1, 3]), "base": np.array([5, 2])},
+    )
+    found = sf.Mesh.from_meshio(given)
+    for again in (found, sf.Mesh.from_meshio(found.to_meshio()), pickle.loads(pickle.dumps(found))):
+        assert again.region_names == ["silicone"] and np.array_equal(again.surfaces["base"], sides[:, :4])
+
+
 def test_a_mesh_of_two_kinds_is_refused() -> None:
     meshio = pytest.importorskip("meshio")
     one, other, second = box("hexahedra"), box("linear"), box("quadratic")
@@ -199,10 +216,18 @@ def test_a_cavity_of_quadratic_hexahedra_is_a_chamber_and_swells_as_one_of_tetra
     lambda: sf.Mesh.box((1.0, 1.0, 1.0), (1, 1, 1), "cubes"),
     lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "mm", order=3),
     lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "mm", order=1.5),
-    lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "inch"),
+    lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "foot"),
     lambda: sf.Mesh.from_stl("nowhere.stl", "thin"),
 ])
 def test_arguments_of_meshes_are_checked(make: Callable[[], object]) -> None:
     with pytest.raises(sf.InputError) as caught:
         make()
     assert caught.value.what and caught.value.why and caught.value.action
+
+
+def test_every_unit_of_a_case_is_one_of_a_file() -> None:
+    metres = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+    size = np.ptp(sf.Mesh.read(EXAMPLES / "finger.msh", "mm", half=True).nodes, axis=0)
+    for unit in ("cm", "inch"):
+        found = np.ptp(sf.Mesh.read(EXAMPLES / "finger.msh", unit, half=True).nodes, axis=0)
+        assert np.allclose(found, size * metres[unit] / metres["mm"], rtol=1e-9)
