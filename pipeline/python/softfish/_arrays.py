@@ -20,6 +20,8 @@ ByName: TypeAlias = "float | npt.ArrayLike | Mapping[str, Any]"
 
 def array_of(name: str, value: Any) -> npt.NDArray[Any]:
     """`value` as a contiguous array of whatever it holds; a plain number as one of length 1."""
+    if np.ma.is_masked(value):
+        raise InputError(f"`{name}` has masked entries", "what they hold would be used", "fill them, or leave them out")
     try:
         return np.ascontiguousarray(value)
     except (TypeError, ValueError, RuntimeError) as error:

@@ -86,7 +86,7 @@ class ReducedModel(Sealed):
         instance("core", core, _core.ReducedModel, "use Solver.reduce")
         self._solver = solver
         self._core = core
-        self._trained = {name: _range(name, pair) for name, pair in table("trained", trained or {}).items()}
+        self._trained = {name: _range(name, pair) for name, pair in table("trained", {} if trained is None else trained).items()}
 
     def __getstate__(self) -> dict[str, Any]:
         data = self._core.data()

@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Reals, array, slice, vector};
+use crate::arrays::{Reals, array, scale_of, slice, vector};
 use crate::errors::{Kind, exception, of_diagnostic, raised, refused};
 use crate::solver::{OfCase, Solver};
 use simulate::{Budget, Converged, Exceeded, Levels, LostLevel};
@@ -110,9 +110,15 @@ pub(crate) fn equilibrium_at(displacement: &Reals<'_>, pressures: Vec<f64>) -> P
     Ok(Equilibrium { displacement: vector("displacement", displacement)?, pressures, ..Equilibrium::default() })
 }
 
-/// ∂L by E, ν and ρ of each region.
-pub(crate) fn by_region(made: &Bound<'_, PyDict>, regions: &[RegionGradient]) -> PyResult<()> {
-    let list = |of: fn(&RegionGradient) -> f64| array(made.py(), regions.iter().map(of).collect());
+/// An array of so many times the numbers.
+pub(crate) fn scaled(py: Python<'_>, mut numbers: Vec<f64>, scale: f64) -> Bound<'_, PyArray1<f64>> {
+    numbers.iter_mut().for_each(|number| *number *= scale);
+    array(py, numbers)
+}
+
+/// ∂L by E, ν and ρ of each region, so many times.
+pub(crate) fn by_region(made: &Bound<'_, PyDict>, regions: &[RegionGradient], scale: f64) -> PyResult<()> {
+    let list = |of: fn(&RegionGradient) -> f64| scaled(made.py(), regions.iter().map(of).collect(), scale);
     made.set_item("youngs_modulus", list(|of| of.youngs_modulus))?;
     made.set_item("poissons_ratio", list(|of| of.poissons_ratio))?;
     made.set_item("density", list(|of| of.density))
@@ -181,14 +187,16 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        let slope = vector("dloss_du", &dloss_du)?;
+        let mut slope = vector("dloss_du", &dloss_du)?;
+        let scale = scale_of(&slope);
+        slope.iter_mut().for_each(|entry| *entry /= scale);
         let gradient = self.run(py, inputs, move |solver, _| solver.gradient(&at, &slope).map_err(raised))?;
         let Gradient { regions, elements, pressures, forces } = gradient;
         let made = PyDict::new(py);
-        by_region(&made, &regions)?;
-        made.set_item("factors", array(py, elements))?;
-        made.set_item("pressures", array(py, pressures))?;
-        made.set_item("forces", array(py, forces))?;
+        by_region(&made, &regions, scale)?;
+        made.set_item("factors", scaled(py, elements, scale))?;
+        made.set_item("pressures", scaled(py, pressures, scale))?;
+        made.set_item("forces", scaled(py, forces, scale))?;
         Ok(made)
     }
 
@@ -202,9 +210,11 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        let along = direction.parameters()?;
+        let mut along = direction.parameters()?;
+        let scale = scale_of(along.iter().map(|(_, part)| part));
+        along.iter_mut().for_each(|(_, part)| *part /= scale);
         let changed = self.run(py, inputs, move |solver, _| solver.sensitivity_along(&at, &along).map_err(raised))?;
-        Ok(array(py, changed))
+        Ok(scaled(py, changed, scale))
     }
 
     /// The lowest natural frequencies (Hz) about an equilibrium, and their shapes one after the other: so many are `asked` for, within so many

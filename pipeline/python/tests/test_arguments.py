@@ -88,6 +88,8 @@ def beam() -> sf.Solver:
     (lambda b: setattr(b.equilibrium(), "displacement", 2.0 * b.mesh.nodes), "displacement"),
     (lambda b: sf.track("a.mp4", at=[[1.0, 2.0]], region=[0, 0, 9, 9]), "region"),
     (lambda b: sf.Record("nowhere"), "nowhere"),
+    (lambda b: b.equilibrium(E=np.ma.array([2e5], mask=[True])), "`E` has masked"),
+    (lambda b: sf.Mesh(np.ma.array(b.mesh.nodes, mask=b.mesh.nodes > 0.01), b.mesh.elements), "`nodes` has masked"),
 ])
 def test_an_argument_without_effect_or_sense_is_refused_by_its_name(block: sf.Solver, call, word: str) -> None:
     with pytest.raises(sf.InputError) as caught:

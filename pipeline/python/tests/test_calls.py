@@ -139,7 +139,9 @@ def outcome(call: Callable[..., Any], given: dict[str, Any], queue: Any) -> None
     sys.stderr = sys.stdout = open(os.devnull, "w")  # noqa: SIM115
     parameters = inspect.signature(call).parameters
     bad = {key for key in given if parameters[key].default is not inspect.Parameter.empty and given[key] is not parameters[key].default}
-    plain = {key: value for key, value in given.items() if key not in bad - UNSEEN}
+    # an empty dictionary gives nothing
+    bad = {key for key in bad - UNSEEN if not (isinstance(given[key], dict) and not given[key])}
+    plain = {key: value for key, value in given.items() if key not in bad}
     queue.put(judged(call, given, given if plain.keys() == given.keys() else plain))
 
 

@@ -215,6 +215,20 @@ def test_gradients_stay_right_near_a_fold_and_give_the_derivative_of_its_load() 
     assert by_moduli[1] * 1.5e6 == pytest.approx((limits[0] - limits[1]) / 2e-3, rel=2e-3)
 
 
+@pytest.mark.parametrize("exponent", [-300, -150, -20, -12, 12, 150, 250])
+def test_gradients_are_linear_in_the_derivative_of_the_loss(exponent: int) -> None:
+    body = Body("quadratic", "neo_hookean", False)
+    rest, motion = body.solver.equilibrium(gravity=[0.0, 3.0, -9.81]), body.solver.simulate(STEPS, DT, gravity=[0.0, 3.0, -9.81])
+    scale = 2.0 ** round(exponent / np.log10(2.0))
+    for result in (rest, motion):
+        slope = body.random(result.displacement.shape)
+        one, other = result.adjoint(slope), result.adjoint(scale * slope)
+        for name in ("youngs_modulus", "poissons_ratio", "density", "elements", "forces"):
+            assert np.allclose(getattr(other, name) / scale, getattr(one, name), rtol=1e-9, atol=0.0), name
+        changed = result.sensitivity(E=[1e5, 2e5])
+        assert np.allclose(result.sensitivity(E=[1e5 * scale, 2e5 * scale]) / scale, changed, rtol=1e-9, atol=1e-12 * np.abs(changed).max())
+
+
 def test_the_worst_errors_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
     with capsys.disabled():
         for kind, (error, what) in _WORST.items():
