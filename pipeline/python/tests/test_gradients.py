@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -184,6 +185,29 @@ def test_gradients_of_steps_of_reduced_models(body: Body) -> None:
         by = getattr(gradient.state, name) if hasattr(gradient.state, name) else getattr(gradient, name)
         derivatives[name] = (float(by @ along), difference(loss))
     compare("reduced steps", body, derivatives)
+
+
+def test_gradients_of_equilibria_of_reduced_models(body: Body) -> None:
+    if not body.chambers or body.mean_dilatation:
+        pytest.skip("only pressures act on a reduced model, and it has no mean dilatation")
+    states = product((1e3, 3e3), ([2e5, 3e5], [3e5, 2e5]), ([0.4, 0.38], [0.35, 0.38]))
+    shapes = [body.solver.equilibrium(pressure=p, E=E, nu=nu).displacement for p, E, nu in states]
+    model = body.solver.reduce(np.stack(shapes), 6)
+    values = {name: body.values[name] for name in ("pressure", "E", "nu")}
+    loss_of, derivatives = body.random(model.coordinates), {}
+
+    def solve(values: dict[str, Any]) -> sf.ReducedState:
+        return model.equilibrium(values["pressure"], E=values["E"], nu=values["nu"])
+
+    gradient = model.equilibrium_gradient(solve(values), loss_of, values["pressure"], E=values["E"], nu=values["nu"])
+    for name, by in (("pressure", gradient.pressures), ("E", gradient.E), ("nu", gradient.nu)):
+        along = body.direction(name)
+
+        def loss(way: float) -> float:
+            return float(loss_of @ solve({**values, name: values[name] + way * along}).coordinates)  # noqa: B023
+
+        derivatives[name] = (float(by @ along), difference(loss))
+    compare("reduced equilibria", body, derivatives)
 
 
 def test_gradients_stay_right_near_a_fold_and_give_the_derivative_of_its_load() -> None:
