@@ -134,6 +134,12 @@ def word(name: str, value: Any, known: Sequence[str]) -> str:
     raise InputError(f"`{name}` is {value!r}", f"known are {', '.join(known)}", "name one of them")
 
 
+def repeated(names: Sequence[str]) -> str | None:
+    """The first of the names that stands there twice; a mesh may have tens of thousands."""
+    seen: set[str] = set()
+    return next((name for name in names if name in seen or seen.add(name)), None)  # type: ignore[func-returns-value]
+
+
 def instance(name: str, value: Any, kind: type | tuple[type, ...], action: str) -> None:
     """Refuses a `value` that is not of a `kind`."""
     if not isinstance(value, kind):

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from softfish import _core
 from softfish._arguments import checked, one_of
-from softfish._arrays import Array, IntArray, Sealed, file, frozen, integers, reals, whole, within
+from softfish._arrays import Array, IntArray, Sealed, file, frozen, integers, reals, repeated, whole, within
 from softfish._errors import InputError
 from softfish._export import grid_of, page
 
@@ -288,7 +288,7 @@ def _names(given: Mapping[int, str] | None, tags: IntArray) -> dict[int, str]:
             raise InputError(f"`names` has the tag {key}", why, "leave it out, or correct the tag")
         names[key] = name
     all_names = [names.get(tag, f"region_{tag}") for tag in sorted(present)]
-    twice = next((name for n, name in enumerate(all_names) if name in all_names[:n]), None)
+    twice = repeated(all_names)
     if twice is not None:
         raise InputError(f"`names` has `{twice}` for two tags", "materials are given by name", "give them one tag, or two names")
     return names

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from softfish import _core, _records
 from softfish._arguments import between, checked, checked_constructor, counted
-from softfish._arrays import Array, ByName, IntArray, Sealed, array_of, flag, frozen, instance, integers, named, number, reals, word
+from softfish._arrays import Array, ByName, IntArray, Sealed, array_of, flag, frozen, instance, integers, named, number, reals, repeated, word
 from softfish._case import Case
 from softfish._errors import ConvergenceError, InputError
 from softfish._export import page
@@ -171,7 +171,7 @@ class Solver(Sealed):
         names = [f"chamber_{n}" for n in range(self.chamber_count)]
         for name, index in [] if data is None else data["chambers"]:
             names[index] = name
-        twice = next((name for n, name in enumerate(names) if name in names[:n]), None)
+        twice = repeated(names)
         if twice is not None:
             raise InputError(f"two chambers are named `{twice}`", "one of them has no name of its own", "name it in the case")
         self.chambers = names
