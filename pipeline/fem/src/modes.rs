@@ -28,7 +28,7 @@ impl Solver {
     /// The `count` modes of lowest frequency about the equilibrium `at`, without damping; chambers keep their pressures.
     ///
     /// # Errors
-    /// [`SolveError`] when `at` is not of this system or not stable, or there are fewer degrees of freedom than modes.
+    /// [`SolveError`] when `at` is not of this system or not stable, there are fewer degrees of freedom than modes, or the interrupt ends it.
     pub fn modes(&mut self, at: &Equilibrium, count: usize) -> Result<Vec<Mode>, SolveError> {
         let dofs = self.state.data.pattern.dofs();
         if count == 0 || count > dofs {
@@ -40,7 +40,10 @@ impl Solver {
         let size = (2 * count).min(count + 8).min(dofs);
         let mut vectors: Vec<Vec<f64>> = (0..size).map(|seed| self.start_vector(seed)).collect();
         let mut previous_values = vec![f64::INFINITY; size];
-        for _ in 0..MAX_ITERATIONS {
+        for iterations in 0..MAX_ITERATIONS {
+            if self.state.newton.interrupt.as_ref().is_some_and(|asked| asked()) {
+                return Err(SolveError::Interrupted { iterations });
+            }
             let (values, next) = self.subspace_step(&vectors)?;
             vectors = next;
             let converged =

@@ -62,6 +62,14 @@ pub enum SolveError {
     /// A tangent that is too large with the couplings of walls in contact.
     #[error("the couplings of walls in contact make the tangent too large\n  why: {0}\n  do:  take a coarser mesh")]
     TooLarge(#[from] FactorError),
+    /// Modes whose search was ended.
+    #[error(
+        "the search for modes ended after {iterations} iterations\n  why: it was asked to end\n  do:  ask for fewer modes, or give more time"
+    )]
+    Interrupted {
+        /// Iterations of the subspace until then.
+        iterations: usize,
+    },
     /// A time step without a solution.
     #[error(
         "no time step is found beyond {time:.6} s\n  why: {cause}, in a step of {step:.3e} s\n  do:  take a smaller time step or smoother pressures"

@@ -148,6 +148,12 @@ impl System {
         self.data.pattern.dofs()
     }
 
+    /// Whether each component of the displacement is a degree of freedom, 3 entries per node.
+    pub fn free_components(&self) -> Vec<bool> {
+        let moved = self.data.pattern.scattered(&vec![1.0; self.dofs()], 1.0, 3 * self.mesh().nodes.len());
+        moved.iter().map(|&component| component != 0.0).collect()
+    }
+
     /// Number of entries of the lower triangle of the stiffness matrix, and of its factor.
     pub fn entries(&self) -> (usize, usize) {
         (self.data.pattern.entries(), self.data.symbolic.entries())

@@ -198,3 +198,26 @@ fn two_threads_share_one_system_and_find_the_same_bytes() {
     });
     assert_eq!(one, two);
 }
+
+#[test]
+fn a_gradient_is_linear_in_the_derivative_of_the_loss_whatever_its_size() {
+    let mesh = bar();
+    let system = system();
+    let mut solver = system.solver();
+    give(&mut solver, &mesh, SET);
+    let at = solver.equilibrium(&[PRESSURE], None, &tight()).unwrap();
+    let slope = loss(&at.displacement).1;
+    let gradient = solver.gradient(&at, &slope).unwrap();
+    for exponent in [-100, -40, 40, 100] {
+        // a power of two changes no digit
+        let scale = 2f64.powi(exponent);
+        let scaled: Vec<f64> = slope.iter().map(|entry| scale * entry).collect();
+        let other = solver.gradient(&at, &scaled).unwrap();
+        for (one, other) in gradient.regions.iter().zip(&other.regions) {
+            assert_eq!(scale * one.youngs_modulus, other.youngs_modulus);
+            assert_eq!(scale * one.poissons_ratio, other.poissons_ratio);
+        }
+        let pairs = gradient.elements.iter().zip(&other.elements);
+        assert!(pairs.into_iter().all(|(one, other)| scale * one == *other));
+    }
+}

@@ -12,11 +12,12 @@ from collections.abc import Callable
 from difflib import get_close_matches
 from typing import Any, ParamSpec, TypeAlias, TypeVar
 
-from softfish._arrays import file, flag, number, positive, whole, within, word
+from softfish._arrays import file, flag, fraction, not_negative, positive, text, whole, within, word
 from softfish._errors import ArgumentError
 
 P = ParamSpec("P")
 R = TypeVar("R")
+T = TypeVar("T")
 #: Name and value of an argument, to its value as it is used.
 Check: TypeAlias = Callable[[str, Any], Any]
 
@@ -50,12 +51,14 @@ CHECKS: dict[str, Check] = {
     "fisheye": flag,
     "half": flag,
     "hidden": between(0.0, 3600.0),
+    "item": text,
     "kept": counted(1, 1_000_000),
     "last": counted(0, 1 << 40),
     "level": between(-1e3, 1e3),
+    "library": one_of("polars", "pandas"),
     "load_steps": counted(1, 10_000),
     "lumped_mass": flag,
-    "mass_damping": number,
+    "mass_damping": not_negative,
     "max_cutbacks": counted(0, 10_000),
     "max_iterations": counted(1, 10**9),
     "memory": counted(0, 1 << 62),
@@ -71,16 +74,18 @@ CHECKS: dict[str, Check] = {
     "root": file,
     "rows": counted(3, 100),
     "scheme": one_of("bdf2", "implicit_euler", "quasi_static"),
+    "specimen": text,
     "spine": file,
     "square": between(1e-3, 1.0),
+    "stage": text,
     "stale": flag,
     "step": positive,
     "steps": counted(1, 10_000_000),
-    "stiffness_damping": number,
+    "stiffness_damping": not_negative,
     "threads": counted(1, 1024),
     "timeout": between(1e-3, 1e7),
-    "tolerance": positive,
-    "unit": one_of("m", "mm"),
+    "tolerance": fraction,
+    "unit": one_of("m", "mm", "cm", "inch"),
 }
 
 
@@ -107,6 +112,12 @@ def checked(**others: Check) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return run
 
     return decorate
+
+
+def checked_constructor(kind: type[T]) -> type[T]:
+    """A class whose constructor is checked in the same way."""
+    setattr(kind, "__init__", checked()(kind.__init__))
+    return kind
 
 
 def _unfit(call: Callable[..., Any], signature: inspect.Signature, failed: tuple[TypeError, dict[str, Any]]) -> ArgumentError:

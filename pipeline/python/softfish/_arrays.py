@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +13,15 @@ from softfish._errors import InputError
 
 Array: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int64]
+T = TypeVar("T", bound=np.generic)
 #: A number, or one number for each name.
 ByName: TypeAlias = "float | npt.ArrayLike | Mapping[str, Any]"
 
 
 def array_of(name: str, value: Any) -> npt.NDArray[Any]:
     """`value` as a contiguous array of whatever it holds; a plain number as one of length 1."""
+    if np.ma.is_masked(value):
+        raise InputError(f"`{name}` has masked entries", "what they hold would be used", "fill them, or leave them out")
     try:
         return np.ascontiguousarray(value)
     except (TypeError, ValueError, RuntimeError) as error:
@@ -57,6 +60,22 @@ def number(name: str, value: Any) -> float:
     return float(reals(name, value, ()))
 
 
+def not_negative(name: str, value: Any) -> float:
+    """`value` as one number that is not below 0."""
+    given = number(name, value)
+    if given < 0.0:
+        raise InputError(f"`{name}` is {given:g}", "it is not below 0", "give 0 or a positive number")
+    return given
+
+
+def fraction(name: str, value: Any) -> float:
+    """`value` as a tolerance in sizes of the body."""
+    given = number(name, value)
+    if not 0.0 < given <= 1e-2:
+        raise InputError(f"`{name}` is {given:g}", "it is a part of the body's size, above 0 and at most 0.01", "give a number in this range")
+    return given
+
+
 def within(name: str, value: Any, low: float, high: float) -> float:
     """`value` as one number from `low` to `high`."""
     given = number(name, value)
@@ -91,11 +110,34 @@ def flag(name: str, value: Any) -> bool:
     raise InputError(f"`{name}` is {value!r}", "it is True or False", "give a truth value")
 
 
+def text(name: str, value: Any) -> str:
+    """`value` as a text that is not empty."""
+    if isinstance(value, str) and value:
+        return value
+    raise InputError(f"`{name}` is {value!r}", "it is a name", "give a text")
+
+
+def table(name: str, value: Any, keys: Sequence[str] = ()) -> Mapping[str, Any]:
+    """`value` as a dictionary that has the `keys`."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"`{name}` is a {type(value).__name__}", "it is a dictionary", "pass one")
+    absent = [key for key in keys if key not in value]
+    if absent:
+        raise InputError(f"`{name}` lacks {', '.join(absent)}", f"it has {', '.join(map(str, value)) or 'nothing'}", "add what is absent")
+    return value
+
+
 def word(name: str, value: Any, known: Sequence[str]) -> str:
     """`value` as one of the `known` words."""
     if isinstance(value, str) and value in known:
         return value
     raise InputError(f"`{name}` is {value!r}", f"known are {', '.join(known)}", "name one of them")
+
+
+def repeated(names: Sequence[str]) -> str | None:
+    """The first of the names that stands there twice; a mesh may have tens of thousands."""
+    seen: set[str] = set()
+    return next((name for name in names if name in seen or seen.add(name)), None)  # type: ignore[func-returns-value]
 
 
 def instance(name: str, value: Any, kind: type | tuple[type, ...], action: str) -> None:
@@ -117,10 +159,23 @@ def file(name: str, value: Any) -> str:
     return given
 
 
-def frozen(array: Array) -> Array:
-    """The same array, read-only: a solver reads it again."""
+def frozen(array: npt.NDArray[T]) -> npt.NDArray[T]:
+    """The same array, read-only: a solver reads it again, or a change of it would have no effect."""
     array.setflags(write=False)
     return array
+
+
+class Sealed:
+    """Something with attributes that are set once: the derivatives of a result are those of the shape that was found, not of another one that is
+    put in its place, and an attribute that nothing reads would have no effect."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        is_known = any(name in vars(one).get("__annotations__", {}) for one in type(self).__mro__)
+        if not name.startswith("_") and (name in self.__dict__ or not is_known):
+            kind = type(self).__name__
+            why = f"a {kind} keeps what it was made of" if is_known or hasattr(type(self), name) else f"a {kind} has no attribute `{name}`"
+            raise InputError(f"`{name}` of a {kind} is set", why, f"make another {kind}, or give it as an argument")
+        object.__setattr__(self, name, value)
 
 
 def copied(array: npt.NDArray[Any]) -> Any:

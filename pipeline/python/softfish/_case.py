@@ -12,7 +12,7 @@ import numpy as np
 
 from softfish import _core
 from softfish._arguments import checked
-from softfish._arrays import file, instance
+from softfish._arrays import Sealed, file, instance
 from softfish._errors import InputError
 from softfish._mesh import Mesh
 
@@ -27,7 +27,7 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} is no entry of a case")
 
 
-class Case:
+class Case(Sealed):
     """One body under loads: the mesh, its materials, clamps, chambers, loads, and how it is solved.
 
     The keys are those of a case file of the command line, `study simulate --help` shows them all.

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from softfish._arrays import Array, IntArray
-from softfish._errors import MissingError
+from softfish._arrays import Array, IntArray, Sealed
+from softfish._errors import InputError, MissingError
 from softfish._optional import optional
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def page(text: str, mesh: Mesh, displacement: Array | None = None) -> str:
     return f"<pre>{html.escape(text)}</pre>{image}{largest}"
 
 
-class Result:
+class Result(Sealed):
     """Displacements of one shape of a body or of several, which other packages take.
 
     Attributes:
@@ -85,6 +85,11 @@ class Result:
 
     _solver: Solver
     displacement: Array
+
+    def __init__(self, *_: object, **__: object) -> None:
+        """Refused: solvers make results."""
+        kind = type(self).__name__
+        raise InputError(f"a result of the kind {kind} is made by hand", "it is what a solve found", "call a method of a Solver")
 
     def to_pyvista(self) -> Any:
         """As a `pyvista.UnstructuredGrid` of the mesh at rest with the displacement (m) as point data, which `warp_by_vector` moves; of several

@@ -66,14 +66,15 @@ class Parameter:
             raise InputError(f"`wrt` holds {name!r}", "it is a list of names", "correct it")
         self.name = name
         kind, _, key = name.partition(".")
-        self.kind = "element_E" if name == "E.elements" else kind
         self.index: int | None = None
         chambers, regions = solver.chambers, solver.regions
-        if self.kind == "element_E":
+        # a region of this name keeps its modulus
+        self.kind = "element_E" if name == "E.elements" and key not in regions else kind
+        if self.kind == "element_E" and (not key or name == "E.elements"):
             self.shape: tuple[int, ...] = solver.element_regions.shape
         elif self.kind == "force" and not key:
             self.shape = solver.mesh.nodes.shape
-        elif self.kind == "pressure":
+        elif self.kind == "pressure" and chambers:
             self.index = self._index(key, chambers)
             time = () if steps is None else (steps,)
             self.shape = time + (() if self.index is not None else (len(chambers),))
@@ -103,6 +104,11 @@ class Parameter:
         return self.index is None or other.index is None or self.index == other.index
 
 
+def _names(given: Any, chamber: str) -> bool:
+    """Whether given pressures are those of all chambers, or name one."""
+    return not isinstance(given, Mapping) or chamber in given
+
+
 class Function:
     """`output` of equilibria, or of motions where `steps` is given, as a function of the parameters `wrt`."""
 
@@ -129,12 +135,12 @@ class Function:
         self._settings = {**given, "tolerance": given.get("tolerance", fine)}
         if self.steps is not None and self._step() <= 0.0:
             raise InputError("`step` is not given", "the case has no [dynamic] with a step", "give it in seconds")
-        points = 1 if output == "displacement" else 0
-        nodes = solver.mesh.nodes.shape
-        if not points:
+        self._check_values(given)
+        is_whole = output == "displacement"
+        if not is_whole:
             solver._weights(output)
         time = () if self.steps is None else (self.steps,)
-        self.shape = time + (nodes if points else (3,))
+        self.shape = time + (solver.mesh.nodes.shape if is_whole else (3,))
 
     def _check_settings(self, given: Mapping[str, Any]) -> None:
         known = _STATIC if self.steps is None else _DYNAMIC
@@ -149,6 +155,29 @@ class Function:
                 raise InputError(f"`{fixed}` is given beside `{parameter.name}` of `wrt`", why, "give one of them")
         own = {name: given[name] for name in ("E", "nu", "density", "element_E", "forces", "gravity") if name in given}
         self._base = self.solver._given(given.get("inputs"), given.get("level"), **own)
+
+    def _check_values(self, given: Mapping[str, Any]) -> None:
+        """Refuses here what each call would refuse: shapes, names and ranges of settings, and those without effect."""
+        solver = self.solver
+        solver._core.check(self._base._core())
+        if self.steps is not None:
+            solver._adaptive(self.steps, given.get("step"))
+            solver._history(self.steps, self._step(), given.get("pressure"))
+            solver._initial_state(given.get("initial"))
+            settings = solver._dynamic_settings(None, given.get("scheme"), (None, None), (1e-6, 0, (None, None, None)))
+            if settings["scheme"] == "quasi_static":
+                damping = {name: given.get(name) for name in ("mass_damping", "stiffness_damping")}
+                solver._require_no_inertia(damping, given.get("initial"))
+            return
+        solver._by_chamber(np.zeros(solver.chamber_count), given.get("pressure"), "pressure")
+        if given.get("initial_guess") is not None:
+            reals("initial_guess", given["initial_guess"], solver.mesh.nodes.shape)
+        elif given.get("reuse_factor"):
+            raise InputError("`reuse_factor` has no effect", "it starts from a nearby shape", "give initial_guess as well")
+        kinds = {parameter.kind for parameter in self.parameters}
+        if "level" in given and ("forces" in given or "force" in kinds) and solver._sets_all(self._static_pressures([])):
+            why = "all forces and pressures are given, and a given one is not multiplied by it"
+            raise InputError("`level` has no effect", why, "leave it out, or give fewer loads")
 
     def _fixed_by(self, parameter: Parameter, given: Mapping[str, Any]) -> str | None:
         """The setting that would fix the number of a parameter."""
@@ -172,7 +201,6 @@ class Function:
         """The result at the values of all parameters."""
         settings = dict(self._settings)
         own: dict[str, Any] = {name: settings.pop(name) for name in ("E", "nu", "density", "element_E") if name in settings}
-        pressure: Array | None = None
         for parameter, value in zip(self.parameters, values, strict=True):
             number = reals(parameter.name, value, parameter.shape)
             kind, index = parameter.kind, parameter.index
@@ -180,24 +208,37 @@ class Function:
                 if not isinstance(own.get(kind), np.ndarray):
                     own[kind] = np.array(getattr(self._base, _FIELDS[kind]))
                 own[kind][slice(None) if index is None else index] = number
-            elif kind == "pressure":
-                pressure = self._pressures(settings.get("pressure")) if pressure is None else pressure
-                pressure[..., slice(None) if index is None else index] = number
-            else:
+            elif kind != "pressure":
                 own["forces" if kind == "force" else kind] = number
-        if pressure is not None:
-            settings["pressure"] = pressure
+        if any(parameter.kind == "pressure" for parameter in self.parameters):
+            settings["pressure"] = self._static_pressures(values) if self.steps is None else self._pressure_history(values)
         if self.steps is None:
             return self.solver.equilibrium(**own, **settings)
         return self.solver.simulate(self.steps, **own, **settings)
 
-    def _pressures(self, given: Any) -> Array:
-        solver = self.solver
-        if self.steps is not None:
-            return solver._history(self.steps, self._step(), given)
-        dynamic = solver._data is not None and "dynamic" in solver._data and "level" not in self._settings
-        base = solver._core.case_pressures([0.0], None) if dynamic else solver._core.case_pressures([], self._base.level)
-        return solver._by_chamber(base, given, "pressure")
+    def _static_pressures(self, values: Sequence[Array]) -> dict[str, Any] | None:
+        """The pressures that are given, by chamber; those of `wrt` are 0 where no `values` are."""
+        solver, given = self.solver, self._settings.get("pressure")
+        if given is None and all(parameter.kind != "pressure" for parameter in self.parameters):
+            return None
+        whole = solver._by_chamber(np.zeros(solver.chamber_count), given, "pressure")
+        pressures = {name: value for name, value in zip(solver.chambers, whole, strict=True) if given is not None and _names(given, name)}
+        for n, parameter in enumerate(self.parameters):
+            if parameter.kind == "pressure":
+                names = solver.chambers if parameter.index is None else [solver.chambers[parameter.index]]
+                numbers = reals(parameter.name, values[n], parameter.shape) if values else np.zeros(len(names))
+                pressures.update(zip(names, numbers.reshape(-1).tolist(), strict=True))
+        return pressures
+
+    def _pressure_history(self, values: Sequence[Array]) -> Array:
+        """The pressures of all steps."""
+        assert self.steps is not None
+        pressure = self.solver._history(self.steps, self._step(), self._settings.get("pressure"))
+        for parameter, value in zip(self.parameters, values, strict=True):
+            if parameter.kind == "pressure":
+                columns = slice(None) if parameter.index is None else parameter.index
+                pressure[..., columns] = reals(parameter.name, value, parameter.shape)
+        return pressure
 
     def value(self, result: Equilibrium | Motion) -> Array:
         """The output of a result."""

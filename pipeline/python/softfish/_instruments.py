@@ -61,6 +61,8 @@ def track(
     longest occlusion (s). Results are written into the folder `out` where one is given, with `overlay` a film of them too."""
     if (find is None) == (at is None):
         raise InputError("the markers of the first frame are not given", "they are placed or detected", "give at or find")
+    if region is not None and find is None:
+        raise InputError("`region` has no effect", "the markers are placed, not detected", "give find in the place of at")
     if overlay and out is None:
         raise InputError("an overlay has no folder", "it is a file among the results", "give out")
     places = np.zeros((0, 2)) if at is None else np.atleast_2d(reals("at", at))

@@ -10,7 +10,7 @@ import numpy as np
 
 from softfish._arguments import checked
 from softfish._arrays import Array
-from softfish._errors import InputError
+from softfish._errors import ArgumentError, InputError
 from softfish._function import Function, FunctionSettings
 from softfish._jax_host import Derivative, Host, differentiable, jax, jnp, real
 
@@ -62,11 +62,14 @@ class JaxFunction:
         self.__dict__.update(state)
         self._begin()
 
-    def __call__(self, *values: Any) -> Any:
+    def __call__(self, *values: Any, **unknown: Any) -> Any:
         """The output at `values`, one for each of `wrt`."""
         parameters = self.function.parameters
+        names = ", ".join(parameter.name for parameter in parameters)
+        if unknown:
+            why = f"the arguments have no names; they are, in this order, {names}"
+            raise ArgumentError(f"`{next(iter(unknown))}` is given by name", why, "give the values alone")
         if len(values) != len(parameters):
-            names = ", ".join(parameter.name for parameter in parameters)
             raise InputError(f"{len(values)} arguments are given", f"the function has {names}", "give one for each")
         self.check()
         arrays = [real(parameter.name, value) for parameter, value in zip(parameters, values, strict=True)]

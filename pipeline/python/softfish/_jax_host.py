@@ -24,7 +24,10 @@ optional("jax.extend.core")
 
 def real(name: str, value: Any) -> Any:
     """An array in the precision that it has: single or double; whole numbers and lists in JAX's own."""
-    array = jnp.asarray(value)
+    try:
+        array = jnp.asarray(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"`{name}` is no array of numbers", str(error), "pass numbers") from error
     if not jnp.issubdtype(array.dtype, jnp.floating) and not jnp.issubdtype(array.dtype, jnp.integer):
         raise InputError(f"`{name}` holds {array.dtype}", "real numbers are required", "convert it")
     if jnp.issubdtype(array.dtype, jnp.floating) and array.dtype.itemsize < 4:

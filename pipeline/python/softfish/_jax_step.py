@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from softfish._arguments import checked
 from softfish._errors import InputError
 from softfish._jax_host import Derivative, Host, differentiable, jax, jnp, real
 from softfish._step import Step
@@ -39,6 +40,7 @@ class JaxStep:
         """Raises the exception of a step that failed under `jax.jit`."""
         self._host.check()
 
+    @checked()
     def __call__(self, coordinates: Any, velocity: Any, pressures: Any) -> tuple[Any, Any]:
         """Coordinates and velocity after the step."""
         self.check()

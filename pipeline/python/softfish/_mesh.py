@@ -11,11 +11,13 @@ import numpy.typing as npt
 
 from softfish import _core
 from softfish._arguments import checked, one_of
-from softfish._arrays import Array, IntArray, file, integers, reals, whole, within
+from softfish._arrays import Array, IntArray, Sealed, file, frozen, integers, reals, repeated, whole, within
 from softfish._errors import InputError
 from softfish._export import grid_of, page
 
-Unit = Literal["m", "mm"]
+Unit = Literal["m", "mm", "cm", "inch"]
+#: One of it, m.
+_METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "inch": 0.0254}
 
 #: Solids of meshio, and what is said of those that are not simulated.
 _SOLIDS = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20}
@@ -24,8 +26,9 @@ _FLAT = ("vertex", "line", "triangle", "quad", "polygon", "VTK_LAGRANGE_CURVE", 
 _TAGS = ("region", "regions", "gmsh:physical", "cellentityids", "medit:ref", "tetgen:ref", "cell_tags", "material", "gmsh:geometrical")
 
 
-class Mesh:
-    """A body at rest: nodes (m), tetrahedra of 4 or 10 nodes or hexahedra of 8 or 20, regions and chambers.
+class Mesh(Sealed):
+    """A body at rest: nodes (m), tetrahedra of 4 or 10 nodes or hexahedra of 8 or 20, regions and chambers. Its arrays are read-only: another
+    body is another mesh.
 
     Mid-edge nodes are those of the edges 01, 12, 02, 03, 13, 23; hexahedra have the order of VTK. Chambers are the closed
     cavities of tetrahedra, in rising order of their centroids along x, then y, then z.
@@ -81,10 +84,10 @@ class Mesh:
     def read(
         cls, path: str | os.PathLike[str], unit: Unit = "m", *, order: Literal[1, 2] | None = None, half: bool = False
     ) -> Mesh:
-        """From a file: `.msh` (4.1 or 2.2), `.vtu`, `.mesh`, `.ele` with its `.node` beside it.
+        """From a file: `.msh` (4.1 or 2.2), `.vtu`, `.vtk`, `.mesh`, `.ele` with its `.node` beside it.
 
         `unit`: of the numbers in the file. `order` 1 or 2: of the elements; left out: as the file has them. `half`: as for arrays."""
-        return cls._of(_core.Mesh.read(os.fspath(path), (unit == "mm", order), half))
+        return cls._of(_core.Mesh.read(os.fspath(path), (unit, order), half))
 
     @classmethod
     @checked(body=file)
@@ -99,7 +102,7 @@ class Mesh:
     ) -> Mesh:
         """From the closed surface of a body, and that of a plane sheet in it, with edges of the length `edge` (m)."""
         files = (os.fspath(body), None if spine is None else os.fspath(spine))
-        return cls._of(_core.Mesh.from_surfaces(files, edge, (unit == "mm", half)))
+        return cls._of(_core.Mesh.from_surfaces(files, edge, (unit, half)))
 
     @classmethod
     @checked()
@@ -116,11 +119,10 @@ class Mesh:
         if regions is not None and np.array_equal(regions, np.asarray(regions).astype(np.int64)):
             # some formats of meshio hold tags as real numbers
             regions = regions.astype(np.int64)
-        scale = 1e-3 if unit == "mm" else 1.0
         made = cls.__new__(cls)
         names = _physical_names(mesh, 3, set() if regions is None else set(np.unique(regions).tolist()))
-        points = scale * reals("points", mesh.points)
-        made._make(points, elements, regions, (names, half), _surfaces(mesh, data))
+        points = _METRES[unit] * reals("points", mesh.points)
+        made._make(points, elements, regions, (names, half), _surfaces(mesh, data, kind))
         return made
 
     @classmethod
@@ -144,18 +146,18 @@ class Mesh:
     @property
     def nodes(self) -> Array:
         """nodes × 3, m."""
-        return self._core.nodes().reshape(-1, 3)
+        return frozen(self._core.nodes().reshape(-1, 3))
 
     @property
     def elements(self) -> IntArray:
-        """elements × 4, 8 or 10: node numbers."""
+        """elements × 4, 8, 10 or 20: node numbers."""
         elements, each = self._core.elements()
-        return elements.reshape(-1, each)
+        return frozen(elements.reshape(-1, each))
 
     @property
     def regions(self) -> IntArray:
         """The region of each element, an index into `region_names` and `tags`."""
-        return self._core.regions()
+        return frozen(self._core.regions())
 
     @property
     def region_names(self) -> list[str]:
@@ -171,12 +173,12 @@ class Mesh:
     def numbering(self) -> IntArray:
         """For each node of the arrays or of the file that the mesh was made of its number here, −1 where no element uses it."""
         given = self._core.numbering()
-        return given if len(given) else np.arange(len(self.nodes), dtype=np.int64)
+        return frozen(given if len(given) else np.arange(len(self.nodes), dtype=np.int64))
 
     @property
     def surfaces(self) -> dict[str, IntArray]:
-        """The surfaces that the file names or numbers, by name or tag: triangles × 3 node numbers."""
-        return {name or str(tag): corners.reshape(-1, 3) for tag, name, corners in self._core.surfaces()}
+        """The surfaces that the file names or numbers, by name or tag: triangles × 3 node numbers, of hexahedra sides × 4."""
+        return {name or str(tag): frozen(corners.reshape(-1, self._corners())) for tag, name, corners in self._core.surfaces()}
 
     @property
     def half(self) -> bool:
@@ -191,7 +193,7 @@ class Mesh:
     @property
     def skin(self) -> IntArray:
         """triangles × 3: node numbers of the outer skin's corners; sides of hexahedra are cut into two."""
-        return self._core.skin().reshape(-1, 3)
+        return frozen(self._core.skin().reshape(-1, 3))
 
     @property
     def notes(self) -> list[str]:
@@ -200,7 +202,7 @@ class Mesh:
 
     def to_meshio(self, displacement: npt.ArrayLike | None = None) -> Any:
         """As a `meshio.Mesh`, with a displacement (nodes × 3, m) as point data where one is given: the tag of each element as cell data
-        `region`, names of regions and surfaces as `field_data`, surfaces as triangles."""
+        `region`, names of regions and surfaces as `field_data`, surfaces as triangles or quadrilaterals."""
         from softfish._optional import optional
 
         elements = self.elements
@@ -211,8 +213,9 @@ class Mesh:
         fields = {name: np.array([tag, 3]) for name, (tag, is_named) in zip(self.region_names, pairs, strict=True) if is_named}
         cells, values = [(kind, elements)], [region]
         for tag, name, corners in self._core.surfaces():
-            cells.append(("triangle", corners.reshape(-1, 3)))
-            values.append(np.full(len(corners) // 3, tag, dtype=np.int64))
+            faces = corners.reshape(-1, self._corners())
+            cells.append(("triangle" if faces.shape[1] == 3 else "quad", faces))
+            values.append(np.full(len(faces), tag, dtype=np.int64))
             if name is not None:
                 fields[name] = np.array([tag, 2])
         return optional("meshio").Mesh(self.nodes, cells, data, {"region": values}, field_data=fields)
@@ -224,26 +227,40 @@ class Mesh:
     def _repr_html_(self) -> str:
         return page(repr(self), self)
 
+    def _corners(self) -> int:
+        """Corners of a face of its surfaces."""
+        return 3 if self.elements.shape[1] in (4, 10) else 4
+
     def _moved(self) -> bool:
         """Whether nodes of the caller's arrays were dropped, so that numbers of nodes are no longer those of the caller."""
         given = self._core.numbering()
         return len(given) > 0 and bool(np.any(given < 0))
 
     def __getstate__(self) -> dict[str, Any]:
+        solid = self._core.solid_state()
+        if solid is not None:
+            return {"solid": solid, "half": self.half, "numbering": self._core.numbering(), "notes": self.notes}
         pairs = self._core.region_tags()
         names = {tag: name for name, (tag, is_named) in zip(self.region_names, pairs, strict=True) if is_named}
         found = self._core.surfaces()
         corners = [corners for _, _, corners in found]
         surfaces = (
-            np.concatenate(corners) if corners else np.zeros(0, dtype=np.int64),
-            [tag for tag, _, corners in found for _ in range(len(corners) // 3)],
+            np.concatenate([np.zeros(0, dtype=np.int64), *corners]),
+            [tag for tag, _, corners in found for _ in range(len(corners) // self._corners())],
             {tag: name for tag, name, _ in found if name is not None},
         )
         tags = np.array([tag for tag, _ in pairs], dtype=np.int64)[self.regions]
-        return {"nodes": self.nodes, "elements": self.elements, "tags": tags, "names": names, "half": self.half, "surfaces": surfaces}
+        arrays = {"nodes": self.nodes, "elements": self.elements, "tags": tags, "numbering": self._core.numbering()}
+        return {**arrays, "names": names, "half": self.half, "surfaces": surfaces, "notes": self.notes}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        if "solid" in state:
+            nodes, elements, parts = state["solid"]
+            core = _core.Mesh.of_solid_state(nodes, elements, parts, state["half"])
+            self._core = core.noted(state["numbering"], state["notes"])
+            return
         self._make(state["nodes"], state["elements"], state["tags"], (state["names"], state["half"]), state["surfaces"])
+        self._core = self._core.noted(state["numbering"], state["notes"])
 
     def __repr__(self) -> str:
         nodes, elements = len(self.nodes), self.elements
@@ -271,7 +288,7 @@ def _names(given: Mapping[int, str] | None, tags: IntArray) -> dict[int, str]:
             raise InputError(f"`names` has the tag {key}", why, "leave it out, or correct the tag")
         names[key] = name
     all_names = [names.get(tag, f"region_{tag}") for tag in sorted(present)]
-    twice = next((name for n, name in enumerate(all_names) if name in all_names[:n]), None)
+    twice = repeated(all_names)
     if twice is not None:
         raise InputError(f"`names` has `{twice}` for two tags", "materials are given by name", "give them one tag, or two names")
     return names
@@ -311,13 +328,14 @@ def _physical_names(mesh: Any, dimension: int, tags: set[int]) -> dict[int, str]
     return {tag: name for tag, name in of_dimension.items() if tag in tags}
 
 
-def _surfaces(mesh: Any, data: list[Any] | None) -> tuple[IntArray, list[int], dict[int, str]] | None:
-    """The triangles of surfaces with their tags."""
+def _surfaces(mesh: Any, data: list[Any] | None, kind: str) -> tuple[IntArray, list[int], dict[int, str]] | None:
+    """The faces of surfaces with their tags: triangles of tetrahedra, quadrilaterals of hexahedra."""
     if data is None:
         return None
-    blocks = [n for n, block in enumerate(mesh.cells) if block.type in ("triangle", "triangle6") and len(block.data)]
+    count, faces = (3, ("triangle", "triangle6")) if kind.startswith("tetra") else (4, ("quad", "quad8", "quad9"))
+    blocks = [n for n, block in enumerate(mesh.cells) if block.type in faces and len(block.data)]
     if not blocks:
         return None
-    corners = np.concatenate([np.asarray(mesh.cells[n].data)[:, :3].astype(np.int64).ravel() for n in blocks])
+    corners = np.concatenate([np.asarray(mesh.cells[n].data)[:, :count].astype(np.int64).ravel() for n in blocks])
     tags = np.concatenate([np.asarray(data[n]) for n in blocks]).astype(np.int64).tolist()
     return corners, tags, _physical_names(mesh, 2, set(tags))

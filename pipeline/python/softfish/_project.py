@@ -12,17 +12,20 @@ import numpy.typing as npt
 
 from softfish import _core
 from softfish._arguments import checked
-from softfish._arrays import file
-from softfish._errors import InputError
+from softfish._arrays import file, text
+from softfish._errors import Error, InputError
 from softfish._optional import optional
 
 
 class Record:
     """One record of a stage: tables, scalars and other files."""
 
-    def __init__(self, folder: Path) -> None:
+    @checked(folder=file)
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        if not Path(folder).is_dir():
+            raise InputError(f"{os.fspath(folder)} is no record", "it is no folder", "ask a Project for it")
         #: Where it lies.
-        self.folder = folder
+        self.folder = folder = Path(folder)
         #: Names of its files.
         self.files: list[str] = sorted(file.name for file in folder.iterdir() if file.is_file())
 
@@ -31,20 +34,34 @@ class Record:
         """Names of its tables."""
         return [name.removesuffix(".parquet") for name in self.files if name.endswith(".parquet")]
 
+    @checked(name=text)
     def table(self, name: str | None = None, *, library: Literal["polars", "pandas"] = "polars") -> Any:
         """A table as a data frame of polars or pandas; the only one where no name is given."""
         path = self._file(name, ".parquet")
-        return optional(library).read_parquet(path)
+        try:
+            return optional(library).read_parquet(path)
+        except Error:
+            raise
+        except Exception as error:
+            # of whatever class the library has for a damaged file
+            raise _damaged(path, error) from error
 
+    @checked(name=text)
     def arrays(self, name: str | None = None) -> dict[str, npt.NDArray[Any]]:
         """The columns of a table as arrays."""
         frame = self.table(name)
         return {column: np.asarray(frame[column].to_numpy()) for column in frame.columns}
 
+    @checked(name=text)
     def scalars(self, name: str | None = None) -> Any:
         """The content of a JSON file; of the only one where no name is given."""
-        return json.loads(self._file(name, ".json").read_text(encoding="utf-8"))
+        path = self._file(name, ".json")
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise _damaged(path, error) from error
 
+    @checked(name=text)
     def bytes(self, name: str) -> bytes:
         """The bytes of a file."""
         return self._file(name, "").read_bytes()
@@ -59,6 +76,10 @@ class Record:
 
     def __repr__(self) -> str:
         return f"Record({', '.join(self.files)})"
+
+
+def _damaged(path: Path, error: Exception) -> InputError:
+    return InputError(f"{path} cannot be read", str(error), "make the record again: study run")
 
 
 class Project:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, TypeAlias, TypedDict
 
 from softfish._arrays import Array, IntArray
+
+#: Of a copied mesh: the region of each element, code and nodes of each face of the skin, and tag, name, elements and volume (m³) of each region.
+SolidParts: TypeAlias = tuple[list[int], list[int], list[list[int]], list[tuple[int, "str | None", int, float]]]
 
 if TYPE_CHECKING:
     from softfish._core import Trajectory

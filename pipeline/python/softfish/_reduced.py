@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arguments import checked
-from softfish._arrays import Array, ByName, instance, named, reals
+from softfish._arguments import checked, checked_constructor, counted
+from softfish._arrays import Array, ByName, Sealed, copied, instance, named, number, reals, table, within
 from softfish._errors import InputError
 
 if TYPE_CHECKING:
@@ -22,9 +23,10 @@ if TYPE_CHECKING:
     from softfish._torch_step import TorchStep
 
 
+@checked_constructor
 @dataclass(frozen=True)
 class ReducedState:
-    """Coordinates q and their rates, 1/s.
+    """Coordinates q and their rates, 1/s. Its arrays are read-only.
 
     Attributes:
         coordinates: q, one per coordinate, no unit.
@@ -33,6 +35,13 @@ class ReducedState:
 
     coordinates: Array
     velocity: Array
+
+    def __post_init__(self) -> None:
+        for name in ("coordinates", "velocity"):
+            object.__setattr__(self, name, copied(reals(name, getattr(self, name))))
+        if self.coordinates.ndim != 1 or self.coordinates.shape != self.velocity.shape:
+            shapes = f"{self.coordinates.shape} and {self.velocity.shape}"
+            raise InputError(f"`coordinates` and `velocity` have the shapes {shapes}", "both are one per coordinate", "check their axes")
 
 
 @dataclass(frozen=True)
@@ -65,13 +74,19 @@ class ReducedStaticGradient:
     nu: Array
 
 
-class ReducedModel:
+class ReducedModel(Sealed):
     """A body in the coordinates of a few modes, for many fast steps. Pressures act on it; gravity and forces of the case do not."""
 
-    def __init__(self, solver: Solver, core: _core.ReducedModel, trained: dict[str, tuple[float, float]] | None = None) -> None:
+    @checked()
+    def __init__(self, solver: Solver, core: _core.ReducedModel, trained: Mapping[str, tuple[float, float]] | None = None) -> None:
+        """Of the compiled model of a body: `Solver.reduce` and `ReducedModel.load` make it. `trained`: see the attribute."""
+        from softfish._solver import Solver
+
+        instance("solver", solver, Solver, "use Solver.reduce")
+        instance("core", core, _core.ReducedModel, "use Solver.reduce")
         self._solver = solver
         self._core = core
-        self._trained = trained or {}
+        self._trained = {name: _range(name, pair) for name, pair in table("trained", {} if trained is None else trained).items()}
 
     def __getstate__(self) -> dict[str, Any]:
         data = self._core.data()
@@ -88,6 +103,7 @@ class ReducedModel:
         return f"ReducedModel({self.coordinates} coordinates, {points} quadrature points, {self._solver._nodes} nodes)"
 
     @classmethod
+    @checked(coordinates=counted(1, 1000), tolerance=lambda name, value: within(name, value, 1e-12, 1.0))
     def of(cls, solver: Solver, snapshots: npt.ArrayLike, coordinates: int, tolerance: float) -> ReducedModel:
         """Of snapshots × nodes × 3, m: see `Solver.reduce`."""
         from softfish._solver import Solver
@@ -110,14 +126,17 @@ class ReducedModel:
         """The undeformed body at rest."""
         return ReducedState(np.zeros(self.coordinates), np.zeros(self.coordinates))
 
+    @checked()
     def displacement(self, state: ReducedState) -> Array:
         """nodes × 3, m."""
         return self._core.displacement(self._pair(state)[0]).reshape(-1, 3)
 
+    @checked()
     def output(self, name: str, state: ReducedState) -> Array:
         """The displacement of a point of the case: `marker.tip`."""
         return self._solver.observe(name, self.displacement(state))
 
+    @checked()
     def output_rows(self, name: str) -> Array:
         """∂output/∂q of a point of the case, 3 × coordinates."""
         modes = self._core.data()["modes"].reshape(self.coordinates, -1, 3)
@@ -302,6 +321,12 @@ class ReducedModel:
             why = "it multiplies the modulus of a region"
             raise InputError(f"`modulus_scale` is {factors.min():g}", why, "give numbers above 0")
         return settings, solver._by_chamber(np.zeros(solver.chamber_count), pressures, "pressures").tolist(), factors.tolist()
+
+
+def _range(name: str, pair: Any) -> tuple[float, float]:
+    """Both ends of a range."""
+    ends = reals(f"trained[{name!r}]", pair, (2,))
+    return number(name, ends[0]), number(name, ends[1])
 
 
 # The format of safetensors: the length of a header, the header in JSON, the numbers. Written here, so that the package needs

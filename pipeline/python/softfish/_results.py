@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arguments import checked
-from softfish._arrays import Array, ByName, IntArray, copied, frozen, named, reals
+from softfish._arguments import checked, checked_constructor
+from softfish._arrays import Array, ByName, IntArray, copied, frozen, named, number, reals
 from softfish._errors import DerivativeError, InputError
 from softfish._export import Result
 
@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 NONE: Array = np.zeros(0)
 
 
+@checked_constructor
 @dataclass(frozen=True)
 class Inputs:
     """Everything that a solve depends on beside pressures, in full. Its arrays are read-only: `dataclasses.replace` makes others.
 
     Attributes:
-        youngs_modulus: By region, Pa.
+        youngs_modulus: By region, Pa; of one that relaxes its long-term modulus, to which a case with `modulus_time` converts its own.
         poissons_ratio: By region, no unit.
         density: By region, kg/m³.
         factors: By element: its modulus over that of its region, no unit; empty: 1.
@@ -44,8 +45,9 @@ class Inputs:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            if field.name != "level":
-                object.__setattr__(self, field.name, copied(reals(field.name, getattr(self, field.name))))
+            value = getattr(self, field.name)
+            kept = number("level", value) if field.name == "level" else copied(reals(field.name, value))
+            object.__setattr__(self, field.name, kept)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Inputs, tuple(getattr(self, field.name) for field in fields(self))
@@ -69,7 +71,7 @@ class Gradient:
         youngs_modulus: ∂L/∂E by region, 1/Pa.
         poissons_ratio: ∂L/∂ν by region, no unit.
         density: ∂L/∂ρ by region, per kg/m³.
-        elements: ∂L/∂E by element, 1/Pa; empty where a region relaxes.
+        elements: ∂L/∂E by element, 1/Pa; empty of a motion where a region relaxes.
         pressures: ∂L/∂p: chambers, or steps × chambers of a motion, 1/Pa.
         forces: ∂L/∂f: nodes × 3, 1/N.
         mass_damping: ∂L/∂α of a motion, s.
@@ -110,8 +112,11 @@ class Equilibrium(Result):
     factorisations: int
     residual: float
     snap_through: list[float]
+    _inputs: Inputs
 
-    def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundEquilibrium) -> None:
+    @classmethod
+    def _make(cls, solver: Solver, inputs: Inputs, found: _records.FoundEquilibrium) -> Equilibrium:
+        self = cls.__new__(cls)
         self._solver = solver
         self._inputs = inputs
         self.pressures = frozen(found["pressures"])
@@ -121,6 +126,7 @@ class Equilibrium(Result):
         self.factorisations = found["factorisations"]
         self.residual = found["residual"]
         self.snap_through = found["snap_through"]
+        return self
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -182,9 +188,10 @@ class Equilibrium(Result):
         return changed.reshape(-1, 3)
 
     @checked()
-    def modes(self, count: int = 6) -> tuple[Array, Array]:
-        """The lowest natural frequencies (Hz) about it, and their shapes (count × nodes × 3) of unit modal mass."""
-        frequencies, shapes = self._solver._core.modes(self._inputs._core(), self._at(), count)
+    def modes(self, count: int = 6, *, timeout: float | None = None) -> tuple[Array, Array]:
+        """The lowest natural frequencies (Hz) about it, and their shapes (count × nodes × 3) of unit modal mass. `timeout`: seconds of the call;
+        raises `BudgetError` at it."""
+        frequencies, shapes = self._solver._core.modes(self._inputs._core(), self._at(), (count, timeout))
         return np.array(frequencies), shapes.reshape(len(frequencies), -1, 3)
 
     @checked()
@@ -221,9 +228,13 @@ class Motion(Result):
     velocity: Array
     pressures: Array
     start: Equilibrium | None
+    _inputs: Inputs
+    _problem: Problem
+    _trajectory: _core.Trajectory | None
 
-    def __init__(self, solver: Solver, inputs: Inputs, problem: Problem, found: _records.FoundMotion) -> None:
-        steps = len(found["times"])
+    @classmethod
+    def _make(cls, solver: Solver, inputs: Inputs, problem: Problem, found: _records.FoundMotion) -> Motion:
+        self, steps = cls.__new__(cls), len(found["times"])
         self._solver = solver
         self._inputs = inputs
         self._problem = problem
@@ -233,6 +244,7 @@ class Motion(Result):
         self.displacement = frozen(found["displacement"].reshape(steps, -1, 3))
         self.velocity = frozen(found["velocity"].reshape(steps, -1, 3))
         self.pressures = frozen(found.get("pressures", np.zeros((steps, 0))).reshape(steps, -1))
+        return self
 
     def _recorded(self) -> _core.Trajectory:
         """The states as the gradient needs them; made again for a copy, and where steps were adaptive."""
@@ -267,7 +279,8 @@ class Motion(Result):
 
     @checked()
     def adjoint(self, dloss_du: npt.ArrayLike, dloss_dv: npt.ArrayLike | None = None) -> Gradient:
-        """The gradient of a loss from its derivatives by displacement and velocity (steps × nodes × 3)."""
+        """The gradient of a loss from its derivatives by displacement and velocity (steps × nodes × 3); of adaptive steps at the times that they
+        took, which other parameters would change."""
         solver = self._solver
         by_u = reals("dloss_du", dloss_du, self.displacement.shape).reshape(-1)
         by_v = NONE if dloss_dv is None else reals("dloss_dv", dloss_dv, self.velocity.shape).reshape(-1)
@@ -277,7 +290,9 @@ class Motion(Result):
             return gradient
         # the start depends on all but the pressures of the steps
         began = self.start.adjoint(gradient.initial_displacement)
-        names = ("youngs_modulus", "poissons_ratio", "density", "elements", "forces")
+        names = ["youngs_modulus", "poissons_ratio", "density", "forces"]
+        # of a motion that relaxes there is none by element
+        names += ["elements"] if gradient.elements.size else []
         return replace(gradient, **{name: getattr(gradient, name) + getattr(began, name) for name in names})
 
     @checked()
@@ -356,20 +371,23 @@ class Path(Result):
     eigenvalues: Array
     iterations: IntArray
     critical: list[CriticalPoint]
+    _inputs: Inputs
 
-    def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundPath) -> None:
+    @classmethod
+    def _make(cls, solver: Solver, inputs: Inputs, found: _records.FoundPath) -> Path:
+        self, points = cls.__new__(cls), len(found["levels"])
         self._solver = solver
         self._inputs = inputs
-        points = len(found["levels"])
-        self.levels = found["levels"]
-        self.displacement = found["displacement"].reshape(points, -1, 3)
-        self.negative_eigenvalues = found["negative_eigenvalues"]
-        self.eigenvalues = found["eigenvalues"]
-        self.iterations = found["iterations"]
+        self.levels = frozen(found["levels"])
+        self.displacement = frozen(found["displacement"].reshape(points, -1, 3))
+        self.negative_eigenvalues = frozen(found["negative_eigenvalues"])
+        self.eigenvalues = frozen(found["eigenvalues"])
+        self.iterations = frozen(found["iterations"])
         self.critical = [
             CriticalPoint("limit_point" if is_limit else "bifurcation", level, at.reshape(-1, 3), mode.reshape(-1, 3))
             for is_limit, level, at, mode in found["critical"]
         ]
+        return self
 
     @checked()
     def output(self, name: str) -> Array:

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arguments import between, checked, counted
-from softfish._arrays import Array, ByName, IntArray, array_of, flag, instance, integers, named, number, reals, word
+from softfish._arguments import between, checked, checked_constructor, counted
+from softfish._arrays import Array, ByName, IntArray, Sealed, array_of, flag, frozen, instance, integers, named, number, reals, repeated, word
 from softfish._case import Case
 from softfish._errors import ConvergenceError, InputError
 from softfish._export import page
@@ -34,6 +34,7 @@ _SCHEMES: dict[str, Scheme] = {"Bdf2": "bdf2", "ImplicitEuler": "implicit_euler"
 Limits: TypeAlias = tuple[int | None, int | None, float | None]
 
 
+@checked_constructor
 @dataclass(frozen=True)
 class Material:
     """What a region is made of.
@@ -52,14 +53,14 @@ class Material:
     law: str = "neo_hookean"
     mean_dilatation: bool = False
 
-    def _checked(self, name: str) -> Material:
-        """It with plain numbers, checked; `name` is that of its region."""
-        values = {key: number(f"{key} of {name}", getattr(self, key)) for key in ("youngs_modulus", "poissons_ratio", "density")}
-        law = word(f"law of {name}", self.law, _core.MATERIALS)
-        return Material(**values, law=law, mean_dilatation=flag(f"mean_dilatation of {name}", self.mean_dilatation))
+    def __post_init__(self) -> None:
+        for key in ("youngs_modulus", "poissons_ratio", "density"):
+            object.__setattr__(self, key, number(key, getattr(self, key)))
+        word("law", self.law, _core.MATERIALS)
+        object.__setattr__(self, "mean_dilatation", flag("mean_dilatation", self.mean_dilatation))
 
 
-class Solver:
+class Solver(Sealed):
     """Solves one body. It keeps its factor, so that a solve near the last one, and every gradient, reuse it.
 
     Each solve takes its inputs in full: what is not given is that of the case. Results do not depend on the solves
@@ -127,7 +128,7 @@ class Solver:
         wrong = next((name for name, one in by_name.items() if not isinstance(one, Material)), None)
         if wrong is not None:
             raise InputError(f"`materials[{wrong!r}]` is {by_name[wrong]!r}", "it is a Material", "make one: Material(E, nu)")
-        of = [by_name[name]._checked(name) for name in regions]
+        of = [by_name[name] for name in regions]
         given: _records.Materials = {
             "law": [one.law for one in of],
             "youngs_modulus": [one.youngs_modulus for one in of],
@@ -154,7 +155,7 @@ class Solver:
         self.mesh = mesh
         self.regions = mesh.region_names
         self.dofs, self._nodes, self._elements, self.chamber_count = core.sizes()
-        self.element_regions = core.element_regions()
+        self.element_regions = frozen(core.element_regions())
         data = core.case_data()
         self._data: _records.CaseData | None = data
         properties = core.properties()
@@ -170,7 +171,7 @@ class Solver:
         names = [f"chamber_{n}" for n in range(self.chamber_count)]
         for name, index in [] if data is None else data["chambers"]:
             names[index] = name
-        twice = next((name for n, name in enumerate(names) if name in names[:n]), None)
+        twice = repeated(names)
         if twice is not None:
             raise InputError(f"two chambers are named `{twice}`", "one of them has no name of its own", "name it in the case")
         self.chambers = names
@@ -235,6 +236,9 @@ class Solver:
         )
 
     def _level(self, level: float | None) -> float:
+        if level is not None and self._data is None:
+            why = "it multiplies the loads of a case, and this body has none"
+            raise InputError("`level` has no effect", why, "multiply `forces` and `pressure`")
         if level is not None:
             return level
         return self.levels[-1] if self.levels else 1.0
@@ -259,6 +263,10 @@ class Solver:
     def _are_own(self, inputs: Inputs) -> bool:
         """Whether the forces are the case's at the level of the inputs."""
         return bool(np.array_equal(inputs.forces, inputs.level * self._base.forces))
+
+    def _sets_all(self, pressure: ByName | None) -> bool:
+        """Whether `pressure` leaves none to the case."""
+        return not self.chambers or (pressure is not None and not (isinstance(pressure, Mapping) and set(self.chambers) - set(pressure)))
 
     def _way(self, level: float) -> list[float]:
         """The levels of the case before `level`, from which it is solved for as `study simulate` does."""
@@ -308,6 +316,9 @@ class Solver:
             base = self._core.case_pressures([0.0], None)
         pressures = self._by_chamber(base, pressure, "pressure")
         guess = None if initial_guess is None else reals("initial_guess", initial_guess, (self._nodes, 3)).reshape(-1)
+        if level is not None and not self._are_own(given) and self._sets_all(pressure):
+            why = "all forces and pressures are given, and a given one is not multiplied by it"
+            raise InputError("`level` has no effect", why, "leave it out, or give fewer loads")
         if guess is None and reuse_factor:
             raise InputError("`reuse_factor` has no effect", "it starts from a nearby shape", "give initial_guess as well")
         settings = self._static_settings((tolerance, load_steps, reuse_factor), (max_iterations, max_cutbacks, timeout))
@@ -320,7 +331,7 @@ class Solver:
         last = found[-1]
         last["iterations"] = sum(one["iterations"] for one in found)
         last["factorisations"] = sum(one["factorisations"] for one in found)
-        return Equilibrium(self, given, last)
+        return Equilibrium._make(self, given, last)
 
     @checked()
     def equilibria(
@@ -348,7 +359,7 @@ class Solver:
         pressures = self._core.case_pressures([], given.level).tolist()
         with self._last_equilibrium(given, levels[:-1]):
             found = self._core.equilibria(given._core(), (levels[:-1], given.level, pressures), (None, settings))
-        return [Equilibrium(self, self._given(given, level), one) for level, one in zip(levels, found, strict=True)]
+        return [Equilibrium._make(self, self._given(given, level), one) for level, one in zip(levels, found, strict=True)]
 
     @checked()
     def path(
@@ -365,7 +376,7 @@ class Solver:
         """The path of equilibria of a case with `arc_length`, as `study simulate` follows it. `max_iterations`: of each point."""
         given = self.inputs(E, nu, density, element_E=element_E, gravity=gravity)
         iterations, _, seconds = self._limits((max_iterations, None, timeout))
-        return Path(self, given, self._core.path(given._core(), (iterations, seconds)))
+        return Path._make(self, given, self._core.path(given._core(), (iterations, seconds)))
 
     def _require_no_path(self) -> None:
         if self._data is not None and self._data.get("follows_path", False):
@@ -384,7 +395,7 @@ class Solver:
                 part = 1.0 if whole_level else error.level / asked
                 forces = error.level * self._base.forces if self._are_own(inputs) else part * inputs.forces
                 own = replace(inputs, level=error.level, forces=forces, gravity=part * inputs.gravity)
-                error.equilibrium = Equilibrium(self, own, last)
+                error.equilibrium = Equilibrium._make(self, own, last)
             displacement = error.__dict__.pop("_displacement", None)
             if displacement is not None and displacement.size:
                 error.displacement = displacement.reshape(-1, 3)
@@ -426,6 +437,8 @@ class Solver:
         given = self._given(inputs, None, **own)
         budget = (max_iterations, None, timeout)
         settings = self._dynamic_settings(step, scheme, (mass_damping, stiffness_damping), (tolerance, memory, budget))
+        if settings["scheme"] == "quasi_static":
+            self._require_no_inertia({"mass_damping": mass_damping, "stiffness_damping": stiffness_damping}, initial)
         adaptive = self._adaptive(steps, step)
         if adaptive is None and settings["step"] <= 0.0:
             raise InputError("`step` is not given", "the case has no [dynamic] with a step", "give it in seconds")
@@ -440,7 +453,15 @@ class Solver:
                 pressures = self._history(count, settings["step"], pressure)
                 found = self._core.record(given._core(), (problem.initial, pressures.reshape(-1), count), (settings, report))
                 found["pressures"] = pressures
-        return Motion(self, given, problem, found)
+        return Motion._make(self, given, problem, found)
+
+    def _require_no_inertia(self, damping: Mapping[str, float | None], initial: Any) -> None:
+        """Refuses what a motion without inertia leaves out."""
+        velocity = NONE if isinstance(initial, Equilibrium) else self._initial_state(initial)[1]
+        also = [name for name, value in damping.items() if value] + (["initial[1]"] if np.any(velocity) else [])
+        if also:
+            why = "a quasi-static motion has no inertia: its states are equilibria"
+            raise InputError(f"`{also[0]}` has no effect", why, "leave it out, or take the scheme bdf2")
 
     def _initial_state(self, initial: tuple[npt.ArrayLike, npt.ArrayLike] | Equilibrium | None) -> tuple[Array, Array]:
         shape = (self._nodes, 3)
@@ -451,7 +472,14 @@ class Solver:
         if not isinstance(initial, tuple | list) or len(initial) != 2:
             why = "it is a pair of displacement and velocity, or an equilibrium"
             raise InputError(f"`initial` is a {type(initial).__name__}", why, "correct it")
-        return reals("initial[0]", initial[0], shape).reshape(-1), reals("initial[1]", initial[1], shape).reshape(-1)
+        displacement, velocity = (reals(f"initial[{n}]", part, shape).reshape(-1) for n, part in enumerate(initial))
+        held = ~self._core.free()
+        for n, part in enumerate((displacement, velocity)):
+            # a state that was computed elsewhere may hold what is left of rounding
+            if np.abs(part[held]).max(initial=0.0) > 1e-9 * np.abs(part).max(initial=0.0):
+                why = "a clamped node stays where it is"
+                raise InputError(f"`initial[{n}]` moves a node that is clamped", why, "set it to 0 there")
+        return displacement, velocity
 
     def _start_of(self, inputs: Inputs, initial: object, budget: Limits) -> Equilibrium | None:
         """The equilibrium in which a motion of the case begins, where it does and nothing else is given."""
@@ -460,7 +488,7 @@ class Solver:
             return None
         settings = self._static_settings((None, None, False), budget)
         with self._last_equilibrium(inputs, []):
-            return Equilibrium(self, inputs, self._core.start_equilibrium(inputs._core(), settings))
+            return Equilibrium._make(self, inputs, self._core.start_equilibrium(inputs._core(), settings))
 
     def _adaptive(self, steps: int | None, step: float | None) -> tuple[float, float, float, float] | None:
         """Duration, tolerance (m), shortest and longest step (s) of a case with adaptive steps."""
@@ -477,6 +505,7 @@ class Solver:
         constants: list[float | None] = [None] * self.chamber_count
         if pressure is not None and not isinstance(pressure, Mapping):
             raise InputError("`pressure` is given by steps", "the steps of an adaptive motion are not known", "give a number by chamber")
+        self._require_one_name(pressure or {})
         for name, value in (pressure or {}).items():
             constants[self._chamber(name)] = number(f"pressure[{name!r}]", value)
         return constants
@@ -494,12 +523,12 @@ class Solver:
         return at.sensitivity(**direction)
 
     @checked()
-    def modes(self, count: int = 6, at: Equilibrium | None = None) -> tuple[Array, Array]:
+    def modes(self, count: int = 6, at: Equilibrium | None = None, *, timeout: float | None = None) -> tuple[Array, Array]:
         """Natural frequencies (Hz) and shapes (count × nodes × 3) about an equilibrium; without one, about that of the
-        case."""
+        case. `timeout`: seconds of the modes."""
         if at is not None:
             instance("at", at, Equilibrium, "give what equilibrium returned")
-        return (self.equilibrium() if at is None else at).modes(count)
+        return (self.equilibrium() if at is None else at).modes(count, timeout=timeout)
 
     @checked()
     def traction(self, faces: npt.ArrayLike, traction: npt.ArrayLike) -> Array:
@@ -606,12 +635,19 @@ class Solver:
             return history
         if not isinstance(given, Mapping):
             return reals("pressure", given, shape).copy()
+        self._require_one_name(given)
         for name, values in given.items():
             column = reals(f"pressure[{name!r}]", values)
             if column.shape not in ((), (steps,)):
                 raise InputError(f"`pressure[{name!r}]` has the shape {column.shape}", f"there are {steps} steps", "give one each")
             history[:, self._chamber(name)] = column
         return history
+
+    def _require_one_name(self, given: Mapping[Any, Any]) -> None:
+        """Refuses a chamber that is given by its name and by its number."""
+        numbers = [self._chamber(name) for name in given]
+        if len(set(numbers)) < len(numbers):
+            raise InputError("`pressure` has a chamber twice", f"its keys are {', '.join(map(repr, given))}", "give each once")
 
     def _chamber(self, chamber: int | str) -> int:
         if isinstance(chamber, str) and chamber in self.chambers:
@@ -633,14 +669,14 @@ class Solver:
             why = f"it is … × {self._nodes} × 3"
             raise InputError(f"`displacement` has the shape {values.shape}", why, "check its axes")
         if name == "displacement":
-            return displacement
+            return values
         nodes, weights = self._weights(name)
-        return np.asarray(np.einsum("...ni,n->...i", displacement[..., nodes, :], weights))
+        return np.asarray(np.einsum("...ni,n->...i", values[..., nodes, :], weights))
 
     def _weights(self, name: str) -> tuple[IntArray, Array]:
         instance("output", name, str, "name `displacement`, or a point of the case")
-        point = name.removeprefix("marker.").removeprefix("node.")
-        if point not in self._points:
+        kind, _, point = name.rpartition(".")
+        if point not in self._points or kind not in ("", "marker", "node"):
             known = ", ".join(["displacement", *(f"marker.{point}" for point in self._points)])
             raise InputError(f"there is no output `{name}`", f"known are {known}", "add it to [output] of the case")
         return self._points[point]

@@ -11,7 +11,8 @@ from softfish._arrays import Array
 from softfish._errors import DerivativeError, InputError
 from softfish._optional import optional
 from softfish._step import Step
-from softfish._torch import numbers, outside_graphs, refuse_half, refuse_transforms
+from softfish._torch import constant, is_recorded, numbers, outside_graphs, refuse_half, refuse_transforms, wider
+from softfish._torch_graph import in_graph, register
 
 if TYPE_CHECKING:
     from softfish._reduced import ReducedModel
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 torch: Any = optional("torch")
 
 
+_NAMES = ("coordinates", "velocity", "pressures")
 _WHY = "a step has first derivatives alone"
 _ACT = "leave create_graph out, or take the penalty by differences of the step"
 
@@ -80,30 +82,74 @@ class TorchStep:
         self.model = model
         self.dt = dt
         self.settings = dict(settings)
+        self._begin()
 
-    @outside_graphs
+    def _begin(self) -> None:
+        self.second = DerivativeError("a second derivative of a step is asked for", _WHY, _ACT)
+        self._key = register(self)
+        count = self.model.coordinates
+        self._lengths = (count, count, self.model._solver.chamber_count)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"model": self.model, "dt": self.dt, "settings": self.settings}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._begin()
+
     def __call__(self, coordinates: Any, velocity: Any, pressures: Any) -> tuple[Any, Any]:
         """Coordinates and velocity after the step; a first axis of any argument is a batch."""
-        refuse_transforms("a step of a reduced model")
         values = (coordinates, velocity, pressures)
-        tensors = [value if isinstance(value, torch.Tensor) else torch.as_tensor(value, dtype=torch.float64) for value in values]
-        batch = self._batch(tensors)
-        single = all(tensor.dtype == torch.float32 for tensor in tensors)
-        like = torch.empty(0, dtype=torch.float32 if single else torch.float64, device=tensors[0].device)
-        # what is the same in all cases is expanded, so that its gradient is their sum
-        full = [tensor.expand(1 if batch is None else batch, tensor.shape[-1]) for tensor in tensors]
-        q, v = _Step.apply((Step(self.model, self.dt, self.settings), like), *full)
+        if not is_recorded():
+            q, v = self._take(values)
+            return q, v
+        full, batch = self._full(values)
+        q, v = in_graph(full, self._key)
         return (q[0], v[0]) if batch is None else (q, v)
+
+    # where a graph breaks, PyTorch would record what a step does with arrays
+    @outside_graphs
+    def _take(self, values: Sequence[Any]) -> tuple[Any, Any]:
+        full, batch = self._full(values)
+        refuse_transforms("a step of a reduced model")
+        q, v = _Step.apply((Step(self.model, self.dt, self.settings), self._like(full)), *full)
+        return (q[0], v[0]) if batch is None else (q, v)
+
+    def _full(self, values: Sequence[Any]) -> tuple[list[Any], int | None]:
+        """The arguments of all cases, and their number where there is a batch."""
+        tensors = [value if isinstance(value, torch.Tensor) else constant(name, value) for name, value in zip(_NAMES, values, strict=True)]
+        batch = self._batch(tensors)
+        # what is the same in all cases is expanded, so that its gradient is their sum
+        return [tensor.expand(1 if batch is None else batch, tensor.shape[-1]) for tensor in tensors], batch
+
+    def _like(self, tensors: Sequence[Any]) -> Any:
+        return torch.empty(0, dtype=wider(tensors), device=tensors[0].device)
+
+    def _outputs(self, values: list[Any]) -> list[Any]:
+        """Of an operation of a graph: see `Graphed`."""
+        return [self._like(values).new_empty(values[0].shape) for _ in range(2)]
+
+    def _values(self, values: list[Any]) -> list[Any]:
+        step, like = Step(self.model, self.dt, self.settings), self._like(values)
+        cases = zip(*(numbers(value) for value in values), strict=True)
+        return list(stacked([step.after(case) for case in cases], (like, like)))
+
+    def _gradients(self, values: list[Any], outputs: list[Any], cotangents: list[Any]) -> list[Any]:
+        step = Step(self.model, self.dt, self.settings)
+        known = zip(*(numbers(value) for value in (*values, *outputs)), strict=True)
+        slopes = zip(*(numbers(part) for part in cotangents), strict=True)
+        return list(stacked([step.adjoint(case, part) for case, part in zip(known, slopes, strict=True)], values))
 
     def _batch(self, tensors: Sequence[Any]) -> int | None:
         """The number of cases, of arguments of the right precision and shape."""
-        count, chambers = self.model.coordinates, self.model._solver.chamber_count
-        sizes = set()
-        for name, tensor, size in zip(("coordinates", "velocity", "pressures"), tensors, (count, count, chambers), strict=True):
-            refuse_half(name, tensor)
-            if tuple(tensor.shape[-1:]) != (size,) or tensor.dim() > 2:
-                raise InputError(f"`{name}` has the shape {tuple(tensor.shape)}", f"it is ({size},), or a batch of that", "check its axes")
-            sizes |= set(tensor.shape[:-1])
-        if len(sizes) > 1 or 0 in sizes:
-            raise InputError(f"batches have the sizes {sorted(sizes)}", "a call has one batch", "give equal sizes above 0")
-        return sizes.pop() if sizes else None
+        lengths = self._lengths
+        batch: int | None = None
+        for n, name in enumerate(_NAMES):
+            refuse_half(name, tensors[n])
+            shape = tuple(tensors[n].shape)
+            if shape[-1:] != (lengths[n],) or len(shape) > 2 or 0 in shape[:-1]:
+                raise InputError(f"`{name}` has the shape {shape}", f"it is ({lengths[n]},), or a batch of that", "check its axes")
+            if len(shape) == 2 and batch is not None and batch != shape[0]:
+                raise InputError(f"batches have the sizes {batch} and {shape[0]}", "a call has one batch", "give equal sizes")
+            batch = shape[0] if len(shape) == 2 else batch
+        return batch

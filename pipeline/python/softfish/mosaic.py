@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from softfish._arrays import Array, IntArray, integers, reals
+from softfish._arrays import Array, IntArray, integers, number, reals, table, whole
 from softfish._errors import InputError
 from softfish._mesh import Mesh
 from softfish._results import Equilibrium
@@ -51,33 +51,36 @@ def vector_jacobian_product(
     inputs: Mapping[str, Any], vjp_inputs: set[str], vjp_outputs: set[str], cotangent_vector: Mapping[str, Any]
 ) -> dict[str, Any]:
     """cotangent · ∂compliance/∂ρ."""
-    if not vjp_inputs <= {"rho"} or not vjp_outputs <= {"compliance"}:
+    asked = (_names("vjp_inputs", vjp_inputs), _names("vjp_outputs", vjp_outputs))
+    if not asked[0] <= {"rho"} or not asked[1] <= {"compliance"}:
         why = "the compliance is differentiable by rho"
-        raise InputError(f"asked for {sorted(vjp_outputs)} by {sorted(vjp_inputs)}", why, "ask for compliance by rho")
+        raise InputError(f"asked for {sorted(asked[1])} by {sorted(asked[0])}", why, "ask for compliance by rho")
     if not vjp_inputs:
         return {}
     problem, moduli, slope = _given(inputs)
     by_density = np.zeros(np.shape(inputs["rho"]))
     if "compliance" in vjp_outputs:
         gradient = _solve(problem, moduli).adjoint(problem.forces)
-        by_density[: slope.size] = float(cotangent_vector["compliance"]) * gradient.elements * slope
+        weight = number("cotangent_vector", table("cotangent_vector", cotangent_vector, ["compliance"])["compliance"])
+        by_density[: slope.size] = weight * gradient.elements * slope
     return {"rho": by_density}
 
 
 def abstract_eval(abstract_inputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Shape and type of the output."""
+    """Shape and type of the output, which do not depend on the inputs."""
+    table("abstract_inputs", abstract_inputs)
     return {"compliance": {"shape": (), "dtype": "float64"}}
 
 
 def _given(inputs: Mapping[str, Any]) -> tuple[_Problem, Array, Array]:
     """The problem, the modulus of each element, and its derivative by the density."""
-    mesh, bc = inputs["hex_mesh"], inputs["boundary_conditions"]
-    nodes, elements = int(mesh["n_points"]), int(mesh["n_faces"])
-    points = reals("points", mesh["points"])[:nodes]
-    cells = integers("faces", mesh["faces"])[:elements]
-    density = reals("rho", inputs["rho"])[:elements]
-    stiffest, ratio = float(inputs.get("E_max", 70_000.0)), float(inputs.get("nu", 0.3))
-    least, exponent = float(inputs.get("xmin", 1e-3)), float(inputs.get("p_exp", 3.0))
+    points, cells, density = _arrays(table("inputs", inputs, ["rho", "hex_mesh", "boundary_conditions"]))
+    bc = table("boundary_conditions", inputs["boundary_conditions"], ["dirichlet", "neumann"])
+    for kind, keys in (("dirichlet", ["mask"]), ("neumann", ["mask", "values"])):
+        table(kind, bc[kind], keys)
+    nodes = len(points)
+    stiffest, ratio = number("E_max", inputs.get("E_max", 70_000.0)), number("nu", inputs.get("nu", 0.3))
+    least, exponent = number("xmin", inputs.get("xmin", 1e-3)), number("p_exp", inputs.get("p_exp", 3.0))
     inside = np.clip(density, 0.0, 1.0)
     moduli = stiffest * (least + (1.0 - least) * inside**exponent)
     slope = stiffest * (1.0 - least) * exponent * inside ** (exponent - 1.0) * (density == inside)
@@ -94,6 +97,33 @@ def _given(inputs: Mapping[str, Any]) -> tuple[_Problem, Array, Array]:
             _problems.popitem(last=False)
     _problems.move_to_end(key)
     return _problems[key], moduli, slope
+
+
+def _arrays(inputs: Mapping[str, Any]) -> tuple[Array, IntArray, Array]:
+    """Points, elements and densities, without what they are padded with."""
+    mesh = table("hex_mesh", inputs["hex_mesh"], ["points", "faces", "n_points", "n_faces"])
+    nodes, elements = (_count(name, mesh[name]) for name in ("n_points", "n_faces"))
+    points = reals("points", mesh["points"])[:nodes]
+    cells = integers("faces", mesh["faces"])[:elements]
+    density = reals("rho", inputs["rho"])[:elements]
+    if density.shape != (elements,) or points.shape != (nodes, 3) or cells.shape != (elements, 8):
+        shapes = f"{density.shape}, {points.shape} and {cells.shape}"
+        why = f"there are {elements} elements of 8 nodes, and {nodes} points of 3 numbers"
+        raise InputError(f"`rho`, `points` and `faces` have the shapes {shapes}", why, "check their axes")
+    return points, cells, density
+
+
+def _count(name: str, value: Any) -> int:
+    counts = integers(name, value)
+    if counts.size != 1:
+        raise InputError(f"`{name}` has the shape {counts.shape}", "it is one number", "pass one")
+    return whole(name, counts.ravel()[0], 1, 1 << 30)
+
+
+def _names(name: str, value: Any) -> set[str]:
+    if isinstance(value, set | frozenset | list | tuple) and all(isinstance(one, str) for one in value):
+        return set(value)
+    raise InputError(f"`{name}` is {value!r}", "it is a set of names", "pass one")
 
 
 def _mask(condition: Mapping[str, Any], nodes: int) -> IntArray:

@@ -31,6 +31,13 @@ pub(crate) fn vector(name: &str, values: &Reals<'_>) -> PyResult<Vec<f64>> {
     slice(name, values).map(<[f64]>::to_vec)
 }
 
+/// The power of two just below the largest of `numbers`, 1 where all are 0. Derivatives are linear in cotangents and directions, so that what is
+/// divided by it before and multiplied after keeps its digits, and products of its numbers neither overflow nor vanish.
+pub(crate) fn scale_of<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let largest = numbers.into_iter().fold(0.0_f64, |most, number| most.max(number.abs()));
+    if largest > 0.0 && largest.is_finite() { largest.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 }
+}
+
 /// Node numbers of elements of `N` nodes, from whole numbers of any sign.
 ///
 /// # Errors

@@ -14,6 +14,7 @@ mod inputs;
 mod interrupt;
 mod memory;
 mod mesh;
+mod mesh_copies;
 mod motion;
 mod path;
 mod project;

@@ -37,7 +37,10 @@ impl Kinds {
     }
 }
 
-/// Triangles of surfaces (3 node numbers each), the tag of each, and names of tags.
+/// A surface of a mesh of hexahedra: its tag, its name, and the corners of its sides.
+type Sides = (i64, Option<String>, Vec<[u32; 4]>);
+
+/// Faces of surfaces (3 node numbers each, 4 of hexahedra), the tag of each, and names of tags.
 type Surfaces<'py> = (PyReadonlyArray1<'py, i64>, Vec<i64>, BTreeMap<i64, String>);
 
 /// A mesh.
@@ -47,6 +50,8 @@ pub(crate) struct Mesh {
     pub(crate) kinds: Arc<Kinds>,
     /// For each node of the caller's arrays its number here, `u32::MAX` where no element uses it; empty where they are not those of arrays or of a file.
     numbering: Arc<Vec<u32>>,
+    /// Of hexahedra; the surfaces of tetrahedra are those of their mesh.
+    sides: Arc<Vec<Sides>>,
 }
 
 /// The class of an error of a mesh.
@@ -61,7 +66,7 @@ impl Mesh {
     }
 
     fn with(kinds: Kinds, numbering: Vec<u32>) -> Self {
-        Self { kinds: Arc::new(kinds), numbering: Arc::new(numbering) }
+        Self { kinds: Arc::new(kinds), numbering: Arc::new(numbering), sides: Arc::default() }
     }
 
     /// A draft in a unit of length (m), checked.
@@ -74,6 +79,23 @@ impl Mesh {
         let ForeignMesh { solid, regions, surfaces, cavities, numbering, notes } = raw.check(unit, half)?;
         let tables = Default::default();
         Ok(Self::of(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables }))
+    }
+
+    /// With surfaces whose node numbers are those of the caller's arrays; a side of nodes that were dropped is left out.
+    fn with_sides(self, sides: Vec<Sides>) -> Self {
+        let number = |node: &u32| self.numbering.get(*node as usize).copied().unwrap_or(*node);
+        let kept = |side: &[u32; 4]| Some(side.map(|node| number(&node))).filter(|side| !side.contains(&u32::MAX));
+        let renumbered = |(tag, name, all): Sides| (tag, name, all.iter().filter_map(kept).collect());
+        let sides = Arc::new(sides.into_iter().map(renumbered).collect());
+        Self { sides, ..self }
+    }
+
+    fn named_sides<'py>(&self, py: Python<'py>) -> Vec<(i64, Option<String>, Bound<'py, PyArray1<i64>>)> {
+        let one = |(tag, name, all): &Sides| {
+            let corners = all.as_flattened().iter().map(|&node| i64::from(node)).collect();
+            (*tag, name.clone(), PyArray1::from_vec(py, corners))
+        };
+        self.sides.iter().map(one).collect()
     }
 
     /// As the solver takes it.
@@ -120,19 +142,28 @@ impl Mesh {
         };
         check_length("elements", raw.corners.len(), each * raw.labels.len())?;
         check_length("regions", raw.tags.len(), raw.labels.len())?;
-        if let Some((triangles, tags, names)) = surfaces {
-            let corners = numbers_below("triangles", &triangles, raw.nodes.len())?;
-            check_length("triangles", corners.len(), 3 * tags.len())?;
-            raw.triangles = corners.as_chunks::<3>().0.iter().copied().zip(tags).collect();
-            raw.surface_names = names;
+        let mut sides = Vec::new();
+        if let Some((faces, tags, names)) = surfaces {
+            let corners = numbers_below("surfaces", &faces, raw.nodes.len())?;
+            if is_hexahedral(&raw) {
+                check_length("surfaces", corners.len(), 4 * tags.len())?;
+                sides = sides_by_tag(corners.as_chunks::<4>().0, &tags, &names);
+            } else {
+                check_length("surfaces", corners.len(), 3 * tags.len())?;
+                raw.triangles = corners.as_chunks::<3>().0.iter().copied().zip(tags).collect();
+                raw.surface_names = names;
+            }
         }
-        watched(py, move |_| Self::checked(raw, 1.0, half).map_err(|diagnostic| refusal(&diagnostic)))
+        watched(py, move |_| {
+            let mesh = Self::checked(raw, 1.0, half).map_err(|diagnostic| refusal(&diagnostic))?;
+            Ok(mesh.with_sides(sides))
+        })
     }
 
-    /// From a file that the command line reads, in metres or millimetres; hexahedra as well.
+    /// From a file that the command line reads, in a unit of length and of an order where one is asked for; hexahedra as well.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf, numbers: (bool, Option<u8>), half: bool) -> PyResult<Self> {
-        let (millimetres, order) = numbers;
+    fn read(py: Python<'_>, path: PathBuf, numbers: (String, Option<u8>), half: bool) -> PyResult<Self> {
+        let (unit, order) = (unit_named(&numbers.0)?, numbers.1);
         watched(py, move |_| {
             let hexahedra = simulate::raw_mesh(&path).ok().filter(is_hexahedral);
             if let Some(raw) = hexahedra {
@@ -146,11 +177,10 @@ impl Mesh {
                         "leave order out, or save tetrahedra",
                     ));
                 }
-                let unit = if millimetres { 1e-3 } else { 1.0 };
-                return Self::checked(raw, unit, half).map_err(of_file);
+                return Self::checked(raw, unit.metres(), half).map_err(of_file);
             }
             let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
-            let source = Source { file, body: None, spine: None, edge: None, ..source(millimetres, order, half) };
+            let source = Source { file, body: None, spine: None, edge: None, ..source(unit, order, half) };
             loaded(source, path.parent().map(Into::into).unwrap_or_default())
         })
     }
@@ -161,14 +191,14 @@ impl Mesh {
         py: Python<'_>,
         files: (PathBuf, Option<PathBuf>),
         edge: f64,
-        options: (bool, bool),
+        options: (String, bool),
     ) -> PyResult<Self> {
         let (body, spine) = files;
-        let (millimetres, half) = options;
+        let (unit, half) = (unit_named(&options.0)?, options.1);
         let name = |path: &PathBuf| std::path::absolute(path).map(|path| path.to_string_lossy().into_owned());
         let body = Some(name(&body)?);
         let spine = spine.as_ref().map(name).transpose()?;
-        let source = Source { file: None, body, spine, edge: Some(edge), ..source(millimetres, None, half) };
+        let source = Source { file: None, body, spine, edge: Some(edge), ..source(unit, None, half) };
         watched(py, move |_| loaded(source, PathBuf::new()))
     }
 
@@ -201,9 +231,9 @@ impl Mesh {
         self.kinds.regions().iter().map(|region| (region.tag, region.name.is_some())).collect()
     }
 
-    /// The surfaces that the file names or numbers: tag, name, and node numbers of the corners of their triangles.
+    /// The surfaces that the file names or numbers: tag, name, and node numbers of the corners of their triangles, of hexahedra of their sides.
     fn surfaces<'py>(&self, py: Python<'py>) -> Vec<(i64, Option<String>, Bound<'py, PyArray1<i64>>)> {
-        let Kinds::Tetrahedra(loaded) = &*self.kinds else { return Vec::new() };
+        let Kinds::Tetrahedra(loaded) = &*self.kinds else { return self.named_sides(py) };
         let elements: Vec<&[u32]> = (0..loaded.solid.len()).map(|element| loaded.solid.element(element)).collect();
         let corners = |surface: &NamedSurface| -> Vec<i64> {
             let triangles = surface.triangles(elements.iter().copied());
@@ -218,6 +248,18 @@ impl Mesh {
     fn numbering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let number = |&node: &u32| if node == u32::MAX { -1 } else { i64::from(node) };
         PyArray1::from_iter(py, self.numbering.iter().map(number).collect::<Vec<_>>())
+    }
+
+    /// It with the numbering and the notes of the mesh that it is a copy of.
+    fn noted(&self, numbering: PyReadonlyArray1<'_, i64>, notes: Vec<String>) -> PyResult<Self> {
+        let contiguous = |_| refused("numbering is not contiguous", "its numbers are apart", "pass a copy");
+        let numbers = numbering.as_slice().map_err(contiguous)?;
+        let numbering = numbers.iter().map(|&number| u32::try_from(number).unwrap_or(u32::MAX)).collect();
+        let kinds = match &*self.kinds {
+            Kinds::Tetrahedra(loaded) => Kinds::Tetrahedra(Loaded { notes, ..loaded.clone() }),
+            Kinds::Hexahedra(mesh) => Kinds::Hexahedra(HexahedralMesh { notes, ..mesh.clone() }),
+        };
+        Ok(Self { sides: self.sides.clone(), ..Self::with(kinds, numbering) })
     }
 
     /// Whether it is the half z ≥ 0 of a symmetric body.
@@ -283,6 +325,14 @@ fn numbers_below(name: &str, values: &PyReadonlyArray1<'_, i64>, count: usize) -
     }
 }
 
+/// Sides with the tag of each, as surfaces in rising order of their tags.
+fn sides_by_tag(sides: &[[u32; 4]], tags: &[i64], names: &BTreeMap<i64, String>) -> Vec<Sides> {
+    let mut by_tag: BTreeMap<i64, Vec<[u32; 4]>> = BTreeMap::new();
+    // length: the caller has compared both
+    sides.iter().zip(tags).for_each(|(side, tag)| by_tag.entry(*tag).or_default().push(*side));
+    by_tag.into_iter().map(|(tag, all)| (tag, names.get(&tag).cloned(), all)).collect()
+}
+
 fn is_hexahedral(raw: &RawMesh) -> bool {
     [8, 20].contains(&raw.each)
 }
@@ -302,9 +352,18 @@ fn chamber(walls: &[[u32; 8]]) -> fem::Chamber {
     fem::Chamber { faces: fem::Faces::QuadraticQuadrilaterals(walls.to_vec()) }
 }
 
-fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
+fn unit_named(name: &str) -> PyResult<Unit> {
+    match name {
+        "m" => Ok(Unit::M),
+        "mm" => Ok(Unit::Mm),
+        "cm" => Ok(Unit::Cm),
+        "inch" => Ok(Unit::Inch),
+        _ => Err(refused(format!("`unit` is {name}"), "known are m, mm, cm and inch", "name one of them")),
+    }
+}
+
+fn source(unit: Unit, order: Option<u8>, half: bool) -> Source {
     let order = order.map(|order| if order == 1 { Order::Linear } else { Order::Quadratic });
-    let unit = if millimetres { Unit::Mm } else { Unit::M };
     Source {
         file: None,
         body: None,

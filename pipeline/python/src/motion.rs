@@ -11,12 +11,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use simulate::{Budget, Watch};
 
-use crate::arrays::{Reals, array, check_length, vector};
+use crate::arrays::{Reals, array, check_length, scale_of, vector};
 use crate::errors::{Kind, of_diagnostic, raised, refused};
 use crate::interrupt::Signals;
 use crate::memory;
 use crate::solver::Solver;
-use crate::statics::by_region;
+use crate::statics::{by_region, scaled};
 
 /// Settings of an integration in time.
 #[derive(FromPyObject)]
@@ -79,14 +79,32 @@ struct States {
 
 impl States {
     fn keep(&mut self, time: f64, state: &State, signals: &Signals) {
+        if signals.is_raised() {
+            return;
+        }
+        if let Err(refusal) = self.require_memory(state) {
+            signals.raise(refusal);
+            return;
+        }
         self.times.push(time);
         self.displacement.extend(&state.displacement);
         self.velocity.extend(&state.velocity);
-        // An exception of the callback ends the solve; after Ctrl-C there is nobody to report to.
-        if let Some(progress) = self.progress.as_ref().filter(|_| !signals.is_raised()) {
+        // An exception of the callback ends the solve.
+        if let Some(progress) = &self.progress {
             let done = (self.times.len(), self.planned);
             Python::attach(|py| progress.call1(py, done).map(|_| ())).unwrap_or_else(|error| signals.raise(error));
         }
+    }
+
+    /// Holds that the lists can take a further state: of adaptive steps the number is not known before.
+    fn require_memory(&self, state: &State) -> PyResult<()> {
+        let grows = self.displacement.len() + state.displacement.len() > self.displacement.capacity();
+        if !grows || self.times.is_empty() {
+            return Ok(());
+        }
+        // both lists double, beside those that they replace
+        let bytes = 2.0 * 2.0 * 8.0 * self.displacement.capacity() as f64;
+        memory::require(&format!("a motion of more than {} steps", self.times.len()), bytes)
     }
 
     /// The exception of a motion that ended here, which holds time and state.
@@ -239,7 +257,9 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (by_displacement, by_velocity) = slopes;
         let inputs = self.inputs(inputs)?;
-        let (by_u, by_v) = (vector("dloss_du", &by_displacement)?, vector("dloss_dv", &by_velocity)?);
+        let (mut by_u, mut by_v) = (vector("dloss_du", &by_displacement)?, vector("dloss_dv", &by_velocity)?);
+        let scale = scale_of(by_u.iter().chain(&by_v));
+        by_u.iter_mut().chain(&mut by_v).for_each(|entry| *entry /= scale);
         let full = 3 * self.shared.counts()[1];
         let made = trajectory.made.clone();
         let gradient = self.run(py, inputs, move |solver, _| {
@@ -251,7 +271,7 @@ impl Solver {
             };
             solver.trajectory_adjoint(&made, &mut loss).map_err(raised)
         })?;
-        of_motion(py, gradient)
+        of_motion(py, gradient, scale)
     }
 
     /// The derivative of the displacement after each step along a direction of E, ν and ρ of the regions and of gains of
@@ -290,15 +310,16 @@ impl Solver {
     }
 }
 
-fn of_motion<'py>(py: Python<'py>, gradient: MotionGradient) -> PyResult<Bound<'py, PyDict>> {
+/// So many times a gradient.
+fn of_motion<'py>(py: Python<'py>, gradient: MotionGradient, scale: f64) -> PyResult<Bound<'py, PyDict>> {
     let made = PyDict::new(py);
-    by_region(&made, &gradient.regions)?;
-    made.set_item("factors", array(py, gradient.elements))?;
-    made.set_item("pressures", array(py, gradient.pressures.into_iter().flatten().collect()))?;
-    made.set_item("forces", array(py, gradient.forces))?;
-    made.set_item("mass_damping", gradient.mass_damping)?;
-    made.set_item("stiffness_damping", gradient.stiffness_damping)?;
-    made.set_item("initial_displacement", array(py, gradient.initial.displacement))?;
-    made.set_item("initial_velocity", array(py, gradient.initial.velocity))?;
+    by_region(&made, &gradient.regions, scale)?;
+    made.set_item("factors", scaled(py, gradient.elements, scale))?;
+    made.set_item("pressures", scaled(py, gradient.pressures.into_iter().flatten().collect(), scale))?;
+    made.set_item("forces", scaled(py, gradient.forces, scale))?;
+    made.set_item("mass_damping", scale * gradient.mass_damping)?;
+    made.set_item("stiffness_damping", scale * gradient.stiffness_damping)?;
+    made.set_item("initial_displacement", scaled(py, gradient.initial.displacement, scale))?;
+    made.set_item("initial_velocity", scaled(py, gradient.initial.velocity, scale))?;
     Ok(made)
 }

@@ -266,6 +266,17 @@ impl Solver {
         self.shared.counts()
     }
 
+    /// Whether each component of the displacement is free, 3 per node.
+    fn free<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_vec(py, self.shared.system.free_components())
+    }
+
+    /// Refuses inputs that are out of range.
+    fn check(&self, py: Python<'_>, inputs: &Bound<'_, PyDict>) -> PyResult<()> {
+        let inputs = self.inputs(inputs)?;
+        self.run(py, inputs, |_, _| Ok(()))
+    }
+
     /// Properties of the regions as the body was made: law, E (Pa), ν, ρ (kg/m³).
     fn properties(&self) -> Vec<(&'static str, f64, f64, f64)> {
         let of = |is: &RegionProperties| (is.material.name(), is.youngs_modulus, is.poissons_ratio, is.density);

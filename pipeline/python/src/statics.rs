@@ -5,10 +5,10 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Reals, array, slice, vector};
-use crate::errors::{Kind, of_diagnostic, raised, refused};
+use crate::arrays::{Reals, array, scale_of, slice, vector};
+use crate::errors::{Kind, exception, of_diagnostic, raised, refused};
 use crate::solver::{OfCase, Solver};
-use simulate::{Budget, Converged, Levels, LostLevel};
+use simulate::{Budget, Converged, Exceeded, Levels, LostLevel};
 
 /// Settings of a static solve.
 #[derive(FromPyObject)]
@@ -65,6 +65,11 @@ pub(crate) fn lost_level(lost: LostLevel) -> PyErr {
     held.err().unwrap_or(error)
 }
 
+fn late_modes(count: usize, limit: Exceeded) -> PyErr {
+    let what = format!("{count} modes are not found");
+    exception(Kind::Budget, [&what, &limit.to_string(), "ask for fewer modes, or raise the limit"])
+}
+
 /// A direction in the space of parameters.
 #[derive(FromPyObject)]
 pub(crate) struct Direction<'py> {
@@ -105,9 +110,15 @@ pub(crate) fn equilibrium_at(displacement: &Reals<'_>, pressures: Vec<f64>) -> P
     Ok(Equilibrium { displacement: vector("displacement", displacement)?, pressures, ..Equilibrium::default() })
 }
 
-/// ∂L by E, ν and ρ of each region.
-pub(crate) fn by_region(made: &Bound<'_, PyDict>, regions: &[RegionGradient]) -> PyResult<()> {
-    let list = |of: fn(&RegionGradient) -> f64| array(made.py(), regions.iter().map(of).collect());
+/// An array of so many times the numbers.
+pub(crate) fn scaled(py: Python<'_>, mut numbers: Vec<f64>, scale: f64) -> Bound<'_, PyArray1<f64>> {
+    numbers.iter_mut().for_each(|number| *number *= scale);
+    array(py, numbers)
+}
+
+/// ∂L by E, ν and ρ of each region, so many times.
+pub(crate) fn by_region(made: &Bound<'_, PyDict>, regions: &[RegionGradient], scale: f64) -> PyResult<()> {
+    let list = |of: fn(&RegionGradient) -> f64| scaled(made.py(), regions.iter().map(of).collect(), scale);
     made.set_item("youngs_modulus", list(|of| of.youngs_modulus))?;
     made.set_item("poissons_ratio", list(|of| of.poissons_ratio))?;
     made.set_item("density", list(|of| of.density))
@@ -176,14 +187,16 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        let slope = vector("dloss_du", &dloss_du)?;
+        let mut slope = vector("dloss_du", &dloss_du)?;
+        let scale = scale_of(&slope);
+        slope.iter_mut().for_each(|entry| *entry /= scale);
         let gradient = self.run(py, inputs, move |solver, _| solver.gradient(&at, &slope).map_err(raised))?;
         let Gradient { regions, elements, pressures, forces } = gradient;
         let made = PyDict::new(py);
-        by_region(&made, &regions)?;
-        made.set_item("factors", array(py, elements))?;
-        made.set_item("pressures", array(py, pressures))?;
-        made.set_item("forces", array(py, forces))?;
+        by_region(&made, &regions, scale)?;
+        made.set_item("factors", scaled(py, elements, scale))?;
+        made.set_item("pressures", scaled(py, pressures, scale))?;
+        made.set_item("forces", scaled(py, forces, scale))?;
         Ok(made)
     }
 
@@ -197,22 +210,32 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        let along = direction.parameters()?;
+        let mut along = direction.parameters()?;
+        let scale = scale_of(along.iter().map(|(_, part)| part));
+        along.iter_mut().for_each(|(_, part)| *part /= scale);
         let changed = self.run(py, inputs, move |solver, _| solver.sensitivity_along(&at, &along).map_err(raised))?;
-        Ok(array(py, changed))
+        Ok(scaled(py, changed, scale))
     }
 
-    /// The `count` lowest natural frequencies (Hz) about an equilibrium, and their shapes one after the other.
+    /// The lowest natural frequencies (Hz) about an equilibrium, and their shapes one after the other: so many are `asked` for, within so many
+    /// seconds where they are limited.
     fn modes<'py>(
         &self,
         py: Python<'py>,
         inputs: &Bound<'py, PyDict>,
         at: (Reals<'py>, Vec<f64>),
-        count: usize,
+        asked: (usize, Option<f64>),
     ) -> PyResult<(Vec<f64>, Bound<'py, PyArray1<f64>>)> {
-        let (displacement, pressures) = at;
+        let ((displacement, pressures), (count, timeout)) = (at, asked);
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        let modes = self.run(py, inputs, move |solver, _| solver.modes(&at, count).map_err(raised))?;
+        let modes = self.run(py, inputs, move |solver, signals| {
+            let watch = Budget { timeout, ..Budget::default() }.watch(Some(signals.interrupt()));
+            solver.set_interrupt(Some(watch.interrupt()));
+            solver.modes(&at, count).map_err(|cause| match watch.exceeded() {
+                Some(limit) => late_modes(count, limit),
+                None => raised(cause),
+            })
+        })?;
         let frequencies = modes.iter().map(|mode| mode.frequency).collect();
         Ok((frequencies, array(py, modes.into_iter().flat_map(|mode| mode.shape).collect())))
     }

@@ -14,7 +14,7 @@ gradient = rest.adjoint(np.ones_like(rest.displacement))
 model = solver.reduce([rest.displacement], 1)
 
 sf.Mesh.box((0.1, 0.01, 0.01), (10, 1, 1), "cubic")  # mistake
-sf.Mesh.read("body.msh", "inch")  # mistake
+sf.Mesh.read("body.msh", "foot")  # mistake
 sf.Mesh.read(3)  # mistake
 sf.Material("soft", 0.45)  # mistake
 sf.Material(2e5, 0.45, viscosity=1.0)  # mistake

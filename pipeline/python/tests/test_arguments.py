@@ -20,6 +20,12 @@ import softfish as sf
 from conftest import EXAMPLES, hollow
 
 
+def beam() -> sf.Solver:
+    """A body without a case."""
+    mesh = sf.Mesh.box((0.05, 0.01, 0.01), (4, 1, 1))
+    return sf.Solver.of_mesh(mesh, sf.Material(2e5, 0.4), mesh.nodes[:, 0] == 0.0)
+
+
 @pytest.mark.parametrize("call, word", [
     (lambda b: b.equilibrium(E=1e5, inputs=b.inputs()), "E"),
     (lambda b: b.equilibrium(gravity=[0, 0, 0], inputs=b.inputs()), "gravity"),
@@ -56,6 +62,34 @@ from conftest import EXAMPLES, hollow
     (lambda b: sf.Solver(b.mesh), "case"),
     (lambda b: b.equilibria(), "levels"),
     (lambda b: b.path(), "path"),
+    (lambda b: beam().equilibrium(level=0.5, gravity=[0, 0, -9.81]), "level"),
+    (lambda b: beam().inputs(level=0.5), "level"),
+    (lambda b: b.equilibrium(level=0.5, pressure={"air": 1e3}, forces=np.ones(b.mesh.nodes.shape)), "level"),
+    (lambda b: b.simulate(3, 1e-3, scheme="quasi_static", mass_damping=1.0), "mass_damping"),
+    (lambda b: b.simulate(3, 1e-3, scheme="quasi_static", stiffness_damping=1.0), "stiffness_damping"),
+    (lambda b: b.simulate(3, 1e-3, scheme="quasi_static", initial=(np.zeros(b.mesh.nodes.shape), 1.0 * (b.mesh.nodes > 0.01))), "initial[1]"),
+    (lambda b: b.simulate(3, 1e-3, initial=(np.ones(b.mesh.nodes.shape), np.zeros(b.mesh.nodes.shape))), "clamped"),
+    (lambda b: b.simulate(3, 1e-3, pressure={"air": 1e3, 0: 2e3}), "twice"),
+    (lambda b: b.simulate(3, 1e-3, mass_damping=-1.0), "mass_damping"),
+    (lambda b: b.equilibrium(tolerance=0.1), "tolerance"),
+    (lambda b: b.equilibrium().output("marker.node.tip"), "marker.node.tip"),
+    (lambda b: b.observe("marker.nose", b.mesh.nodes), "nose"),
+    (lambda b: sf.Equilibrium(), "by hand"),
+    (lambda b: sf.Motion(b), "Motion"),
+    (lambda b: sf.Path(), "by hand"),
+    (lambda b: sf.ReducedModel(b, None), "core"),
+    (lambda b: sf.ReducedState([1.0, 2.0], [1.0]), "velocity"),
+    (lambda b: sf.Material("soft", 0.4), "youngs_modulus"),
+    (lambda b: sf.Material(2e5), "poissons_ratio"),
+    (lambda b: dataclasses.replace(b.inputs(), level="full"), "level"),
+    (lambda b: setattr(b, "mesh", None), "mesh"),
+    (lambda b: setattr(b, "tolerance", 1e-3), "tolerance"),
+    (lambda b: setattr(b.mesh, "nodes", b.mesh.nodes), "nodes"),
+    (lambda b: setattr(b.equilibrium(), "displacement", 2.0 * b.mesh.nodes), "displacement"),
+    (lambda b: sf.track("a.mp4", at=[[1.0, 2.0]], region=[0, 0, 9, 9]), "region"),
+    (lambda b: sf.Record("nowhere"), "nowhere"),
+    (lambda b: b.equilibrium(E=np.ma.array([2e5], mask=[True])), "`E` has masked"),
+    (lambda b: sf.Mesh(np.ma.array(b.mesh.nodes, mask=b.mesh.nodes > 0.01), b.mesh.elements), "`nodes` has masked"),
 ])
 def test_an_argument_without_effect_or_sense_is_refused_by_its_name(block: sf.Solver, call, word: str) -> None:
     with pytest.raises(sf.InputError) as caught:
@@ -67,7 +101,8 @@ def test_an_argument_without_effect_or_sense_is_refused_by_its_name(block: sf.So
 def test_inputs_and_results_are_read_only(block: sf.Solver) -> None:
     found, motion = block.equilibrium(), block.simulate(2)
     inputs = block.inputs()
-    arrays = [block.base.forces, block.base.gravity, block.base.youngs_modulus, inputs.density, found.displacement, found.pressures]
+    arrays = [block.mesh.nodes, block.mesh.elements, block.mesh.regions, block.mesh.skin, block.mesh.numbering, block.element_regions]
+    arrays += [block.base.forces, block.base.gravity, block.base.youngs_modulus, inputs.density, found.displacement, found.pressures]
     for array in [*arrays, motion.displacement, motion.times, motion.pressures]:
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
@@ -231,3 +266,12 @@ def test_one_layer_checks_an_argument_wherever_it_stands(block: sf.Solver) -> No
         assert isinstance(unfit.value, TypeError) and word in unfit.value.action
     with pytest.raises(sf.ArgumentError, match="dloss_du"):
         block.adjoint(block.equilibrium())
+
+
+def test_a_copy_of_a_mesh_keeps_what_became_of_the_callers_nodes() -> None:
+    box = sf.Mesh.box((0.05, 0.01, 0.01), (4, 1, 1))
+    dropped = sf.Mesh(np.vstack([[[0.02, 0.02, 0.02]], box.nodes]), box.elements + 1)
+    for again in copies(dropped):
+        assert np.array_equal(again.numbering, dropped.numbering) and again.notes == dropped.notes
+        with pytest.raises(sf.InputError, match="node numbers"):
+            sf.Solver.of_mesh(again, sf.Material(2e5, 0.4), [1, 2, 3])

@@ -70,6 +70,16 @@ def test_a_motion_keeps_its_last_time_and_shape(block: sf.Solver) -> None:
     assert caught.value.displacement is not None and caught.value.displacement.shape == block.mesh.nodes.shape
 
 
+def test_a_search_for_modes_ends_at_its_limit_and_the_solver_is_free() -> None:
+    mesh = sf.Mesh.box((0.1, 0.02, 0.02), (10, 4, 4))
+    body = sf.Solver.of_mesh(mesh, sf.Material(2e5, 0.45), mesh.nodes[:, 0] == 0.0)
+    rest = body.equilibrium(gravity=[0.0, 0.0, -0.1])
+    with pytest.raises(sf.BudgetError, match="100 modes") as caught:
+        rest.modes(100, timeout=0.5)
+    assert "timeout" in caught.value.why and ended(lambda: rest.modes(200)) < 1.0
+    assert rest.modes(2, timeout=60.0)[0][0] > 0.0
+
+
 @pytest.mark.parametrize("limit", [{"max_iterations": 0}, {"max_iterations": 1.5}, {"max_cutbacks": -1}, {"timeout": 0.0}, {"timeout": "long"}])
 def test_limits_are_checked(block: sf.Solver, limit: dict) -> None:
     with pytest.raises(sf.InputError, match=next(iter(limit))):

@@ -29,6 +29,9 @@ def test_parameters_that_set_the_same_number_are_refused(block: sf.Solver, wrt: 
 @pytest.mark.parametrize("settings, word", [
     ({"E": 1e5}, "beside"), ({"element_E": np.ones(3)}, "beside"), ({"colour": 3}, "no setting"), ({"steps": 1.5}, "steps"),
     ({"tolerance": -1.0}, "tolerance"), ({"scheme": "bdf2"}, "no setting"), ({"level": 1.0, "steps": 3}, "no setting"),
+    ({"initial_guess": np.zeros((2, 3))}, "initial_guess"), ({"reuse_factor": True}, "no effect"), ({"pressure": {"water": 1.0}}, "water"),
+    ({"nu": 0.7}, "Poisson"), ({"gravity": [1.0]}, "gravity"), ({"steps": 3, "initial": 5}, "initial"), ({"steps": 3, "mass_damping": -1.0}, "mass_damping"),
+    ({"steps": 3, "pressure": {"air": [1.0, 2.0]}}, "steps"), ({"steps": 3, "scheme": "quasi_static", "stiffness_damping": 1.0}, "no effect"),
 ])
 @pytest.mark.parametrize("kind", ["torch", "jax"])
 def test_settings_are_checked_when_the_function_is_made(block: sf.Solver, settings: dict, word: str, kind: str) -> None:
@@ -39,6 +42,16 @@ def test_settings_are_checked_when_the_function_is_made(block: sf.Solver, settin
 
 def differences(function: Any, at: float, part: float = 1e-4) -> np.ndarray:
     return (np.asarray(function(at * (1 + part))) - np.asarray(function(at * (1 - part)))) / (2 * part * at)
+
+
+def _module(torch: Any, tip: Any) -> Any:
+    """A module that calls a function with a constant."""
+
+    class Tip(torch.nn.Module):
+        def forward(self, p: Any) -> Any:
+            return tip(2e5, p)
+
+    return Tip()
 
 
 class TestTorch:
@@ -111,10 +124,59 @@ class TestTorch:
         got, = torch.autograd.grad(compiled(p), p)
         assert got.item() == pytest.approx(plain.item(), rel=1e-12)
 
-    def test_a_whole_graph_is_refused_with_the_remedy(self, block: sf.Solver) -> None:
-        torch, tip = self.torch, block.torch("marker.tip", ["pressure.air"])
-        with pytest.raises(RuntimeError, match="leave fullgraph out"):
-            torch.compile(lambda x: tip(x).sum(), backend="eager", fullgraph=True)(self.number(3e3))
+    @pytest.mark.parametrize("backend", ["eager", "aot_eager"])
+    def test_a_whole_graph_has_the_same_gradient(self, block: sf.Solver, backend: str) -> None:
+        torch = self.torch
+        if not hasattr(torch.library, "custom_op"):
+            pytest.skip("operations of one's own are there from PyTorch 2.4 on")
+        tip, motion = block.torch("marker.tip", ["E.region_0", "pressure.air"]), block.torch("marker.tip", ["E.region_0"], steps=3)
+        shapes = np.stack([block.equilibrium(pressure=p, gravity=[0, 0, 0]).displacement for p in (1e3, 3e3, 5e3)])
+        step = block.reduce(shapes, 3).torch_step(2e-3)
+        zero = torch.zeros(step.model.coordinates, dtype=torch.float64)
+
+        def steps(p: Any) -> Any:
+            q, v = step(zero, zero, p.reshape(1))
+            q, v = step(q, v, 2.0 * p.reshape(1))
+            return 1e3 * q.sum() + v.sum()
+
+        losses = {
+            "equilibrium": lambda E, p: (1e4 * tip(E, p)).square().sum(),
+            "batch": lambda E, p: (1e4 * tip(E, torch.stack([p, 2.0 * p]))).square().sum(),
+            "constant": lambda E, p: (1e4 * tip(E, 3e3)).square().sum() + 0.0 * p,
+            "motion": lambda E, p: 1e6 * motion(E).sum() + 0.0 * p,
+            "steps": lambda E, p: steps(p) + 0.0 * E,
+        }
+        for name, loss in losses.items():
+            at = (self.number(2e5), self.number(3e3))
+            whole = torch.compile(loss, backend=backend, fullgraph=True)
+            value = whole(*at)
+            assert value.item() == pytest.approx(loss(*at).item(), rel=1e-12), name
+            for mine, plain in zip(torch.autograd.grad(value, at), torch.autograd.grad(loss(*at), at), strict=True):
+                assert mine.item() == pytest.approx(plain.item(), rel=1e-9), name
+        exported = torch.export.export(_module(torch, tip), (torch.tensor(3e3, dtype=torch.float64),)).module()
+        assert torch.allclose(exported(torch.tensor(4e3, dtype=torch.float64)), tip(2e5, 4e3), rtol=1e-12)
+
+    def test_a_graph_has_no_other_derivatives(self, block: sf.Solver) -> None:
+        torch = self.torch
+        if not hasattr(torch.library, "custom_op"):
+            pytest.skip("operations of one's own are there from PyTorch 2.4 on")
+        tip, p = block.torch("marker.tip", ["E.region_0", "pressure.air"]), torch.tensor(3e3, dtype=torch.float64)
+        exported, one = torch.export.export(_module(torch, tip), (p,)).module(), torch.ones_like(p)
+        for call in (lambda: torch.func.jvp(exported, (p,), (one,)), lambda: torch.func.jacfwd(exported)(p)):
+            with pytest.raises(sf.DerivativeError, match="forward mode"):
+                call()
+        for backend in ("eager", "aot_eager"):
+            for transform in (torch.func.jacfwd, torch.func.jacrev, torch.func.vmap):
+                torch._dynamo.reset()
+                at = p[None] if transform is torch.func.vmap else p
+                with pytest.raises((RuntimeError, sf.DerivativeError)):
+                    torch.compile(transform(lambda x: tip(2e5, x)), backend=backend, fullgraph=True)(at)
+        slope, = torch.autograd.grad(torch.compile(lambda x: tip(2e5, x).sum(), backend="eager", fullgraph=True)(q := self.number(3e3)), q, create_graph=True)
+        with pytest.raises(sf.DerivativeError, match="second derivative"):
+            slope.backward()
+        for wrong in (torch.zeros(2, 2, dtype=torch.float64), p.half()):
+            with pytest.raises((RuntimeError, sf.InputError)):
+                torch.compile(lambda x: tip(2e5, x), backend="eager", fullgraph=True)(wrong)
 
     def test_a_step_of_a_reduced_model_refuses_a_penalty_of_its_gradient(self, block: sf.Solver) -> None:
         torch = self.torch
@@ -136,6 +198,12 @@ class TestTorch:
         for wrong in ({"dt": 0.0}, {"modulus_scale": [0.0]}, {"modulus_scale": [-1.0]}, {"mass_damping": "much"}):
             with pytest.raises(sf.InputError):
                 model.torch_step(**wrong)
+
+    def test_arguments_of_a_call_are_checked(self, block: sf.Solver) -> None:
+        tip = block.torch("marker.tip", ["pressure.air"])
+        for wrong in (lambda: tip(), lambda: tip("soft"), lambda: tip(None), lambda: tip(float("nan")), lambda: tip(pressure=3e3), lambda: tip(3e3, 3e3)):
+            with pytest.raises(sf.InputError):
+                wrong()
 
     def test_functions_are_copied_with_their_solver(self, block: sf.Solver) -> None:
         torch, tip = self.torch, block.torch("marker.tip", ["pressure.air"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -186,6 +187,29 @@ def test_gradients_of_steps_of_reduced_models(body: Body) -> None:
     compare("reduced steps", body, derivatives)
 
 
+def test_gradients_of_equilibria_of_reduced_models(body: Body) -> None:
+    if not body.chambers or body.mean_dilatation:
+        pytest.skip("only pressures act on a reduced model, and it has no mean dilatation")
+    states = product((1e3, 3e3), ([2e5, 3e5], [3e5, 2e5]), ([0.4, 0.38], [0.35, 0.38]))
+    shapes = [body.solver.equilibrium(pressure=p, E=E, nu=nu).displacement for p, E, nu in states]
+    model = body.solver.reduce(np.stack(shapes), 6)
+    values = {name: body.values[name] for name in ("pressure", "E", "nu")}
+    loss_of, derivatives = body.random(model.coordinates), {}
+
+    def solve(values: dict[str, Any]) -> sf.ReducedState:
+        return model.equilibrium(values["pressure"], E=values["E"], nu=values["nu"])
+
+    gradient = model.equilibrium_gradient(solve(values), loss_of, values["pressure"], E=values["E"], nu=values["nu"])
+    for name, by in (("pressure", gradient.pressures), ("E", gradient.E), ("nu", gradient.nu)):
+        along = body.direction(name)
+
+        def loss(way: float) -> float:
+            return float(loss_of @ solve({**values, name: values[name] + way * along}).coordinates)  # noqa: B023
+
+        derivatives[name] = (float(by @ along), difference(loss))
+    compare("reduced equilibria", body, derivatives)
+
+
 def test_gradients_stay_right_near_a_fold_and_give_the_derivative_of_its_load() -> None:
     solver = arch()
     fold = solver.path().critical[0]
@@ -213,6 +237,20 @@ def test_gradients_stay_right_near_a_fold_and_give_the_derivative_of_its_load() 
     assert by_moduli @ [1e6, 1.5e6] == pytest.approx(fold.level, rel=1e-5)
     limits = [solver.path(E={"middle": 1.5e6 * (1.0 + way)}).critical[0].level for way in (1e-3, -1e-3)]
     assert by_moduli[1] * 1.5e6 == pytest.approx((limits[0] - limits[1]) / 2e-3, rel=2e-3)
+
+
+@pytest.mark.parametrize("exponent", [-300, -150, -20, -12, 12, 150, 250])
+def test_gradients_are_linear_in_the_derivative_of_the_loss(exponent: int) -> None:
+    body = Body("quadratic", "neo_hookean", False)
+    rest, motion = body.solver.equilibrium(gravity=[0.0, 3.0, -9.81]), body.solver.simulate(STEPS, DT, gravity=[0.0, 3.0, -9.81])
+    scale = 2.0 ** round(exponent / np.log10(2.0))
+    for result in (rest, motion):
+        slope = body.random(result.displacement.shape)
+        one, other = result.adjoint(slope), result.adjoint(scale * slope)
+        for name in ("youngs_modulus", "poissons_ratio", "density", "elements", "forces"):
+            assert np.allclose(getattr(other, name) / scale, getattr(one, name), rtol=1e-9, atol=0.0), name
+        changed = result.sensitivity(E=[1e5, 2e5])
+        assert np.allclose(result.sensitivity(E=[1e5 * scale, 2e5 * scale]) / scale, changed, rtol=1e-9, atol=1e-12 * np.abs(changed).max())
 
 
 def test_the_worst_errors_are_printed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -75,6 +76,15 @@ def test_a_region_number_never_wraps(kind: str) -> None:
     assert many.tags == [70_000, 70_001, 70_002] and np.array_equal(np.array(many.tags)[many.regions], tags)
 
 
+def test_a_tag_for_each_of_many_elements_is_refused_at_once() -> None:
+    mesh = sf.Mesh.box((1.0, 1.0, 1.0), (42, 42, 42), "hexahedra")
+    began = time.process_time()
+    with pytest.raises(sf.MeshError, match="74088 tags"):
+        sf.Mesh(mesh.nodes, mesh.elements, np.arange(len(mesh.elements)))
+    # it was 95 s where each name was looked for among all before
+    assert time.process_time() - began < 10.0
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_half_model_stays_on_its_plane(kind: str) -> None:
     whole = box(kind)
@@ -131,6 +141,23 @@ def test_names_of_gmsh_and_surfaces_come_through() -> None:
     case = {"region": [rubber], "clamp": [{"surface": "holder"}], "static": {"levels": [1.0]}}
     for other in (found, sf.Mesh.from_meshio(found.to_meshio()), pickle.loads(pickle.dumps(found))):
         assert sf.Case(case, mesh=other).solver().dofs == 3 * int(np.sum(mesh.nodes[:, 0] > 0))
+
+
+@pytest.mark.parametrize("kind, face", [("hexahedra", "quad"), ("quadratic_hexahedra", "quad8")])
+def test_names_of_surfaces_of_hexahedra_come_through(kind: str, face: str) -> None:
+    meshio = pytest.importorskip("meshio")
+    mesh = box(kind)
+    sides = mesh.elements[:, [0, 3, 2, 1] if kind == "hexahedra" else [0, 3, 2, 1, 11, 10, 9, 8]]
+    nodes = np.vstack([[[0.05, 0.05, 0.05]], mesh.nodes])
+    given = meshio.Mesh(
+        nodes,
+        [("hexahedron" if kind == "hexahedra" else "hexahedron20", mesh.elements + 1), (face, sides + 1)],
+        cell_data={"gmsh:physical": [np.ones(len(mesh.elements), int), np.full(len(sides), 5)]},
+        field_data={"silicone": np.array([1, 3]), "base": np.array([5, 2])},
+    )
+    found = sf.Mesh.from_meshio(given)
+    for again in (found, sf.Mesh.from_meshio(found.to_meshio()), pickle.loads(pickle.dumps(found))):
+        assert again.region_names == ["silicone"] and np.array_equal(again.surfaces["base"], sides[:, :4])
 
 
 def test_a_mesh_of_two_kinds_is_refused() -> None:
@@ -199,10 +226,18 @@ def test_a_cavity_of_quadratic_hexahedra_is_a_chamber_and_swells_as_one_of_tetra
     lambda: sf.Mesh.box((1.0, 1.0, 1.0), (1, 1, 1), "cubes"),
     lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "mm", order=3),
     lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "mm", order=1.5),
-    lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "inch"),
+    lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "foot"),
     lambda: sf.Mesh.from_stl("nowhere.stl", "thin"),
 ])
 def test_arguments_of_meshes_are_checked(make: Callable[[], object]) -> None:
     with pytest.raises(sf.InputError) as caught:
         make()
     assert caught.value.what and caught.value.why and caught.value.action
+
+
+def test_every_unit_of_a_case_is_one_of_a_file() -> None:
+    metres = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+    size = np.ptp(sf.Mesh.read(EXAMPLES / "finger.msh", "mm", half=True).nodes, axis=0)
+    for unit in ("cm", "inch"):
+        found = np.ptp(sf.Mesh.read(EXAMPLES / "finger.msh", unit, half=True).nodes, axis=0)
+        assert np.allclose(found, size * metres[unit] / metres["mm"], rtol=1e-9)

@@ -2,7 +2,9 @@
 //!
 //! Ψ(u) = Σ_e Σ_q w ψ(F),  F = I + Σ_a u_a ⊗ ∇N_a,  f_a = Σ w P ∇N_a,  K_ab = Σ w ∇N_aᵀ (∂P/∂F) ∇N_b
 
-use crate::assembly::kernels::{add_blocks, add_force, deformation_gradient, element_values, scatter_forces};
+use crate::assembly::kernels::{
+    add_blocks, add_force, deformation_gradient, displacement_gradient, element_values, scatter_forces,
+};
 use crate::assembly::reference::ReferenceElements;
 use crate::mesh::Mesh;
 use materials::material::{Material, Moduli};
@@ -229,8 +231,8 @@ impl Body<'_> {
                 every,
                 |Sample { gradients, weight, moduli: acting, .. }| {
                     let stress = elastic.material.stress_by_moduli(&deformation_gradient(gradients, &displacements));
-                    let virtual_field = deformation_gradient(gradients, &virtual_field) - Matrix3::identity();
-                    let other_field = deformation_gradient(gradients, &other_field) - Matrix3::identity();
+                    let virtual_field = displacement_gradient(gradients, &virtual_field);
+                    let other_field = displacement_gradient(gradients, &other_field);
                     let each =
                         stress.iter().zip(acting.to_array()).zip(elastic.moduli.to_array()).zip(by_moduli.iter_mut());
                     for (((stress, acts), modulus), sum) in each.filter(|(((_, acts), _), _)| *acts != 0.0) {
@@ -262,7 +264,7 @@ impl Body<'_> {
             let mut sums = [0.0; 4];
             self.for_each_sample::<N>(element, elastic, every, |Sample { gradients, weight, moduli, .. }| {
                 let stress = elastic.material.stress_by_moduli(&deformation_gradient(gradients, &displacements));
-                let virtual_field = deformation_gradient(gradients, &virtual_field) - Matrix3::identity();
+                let virtual_field = displacement_gradient(gradients, &virtual_field);
                 for ((sum, stress), acts) in sums.iter_mut().zip(stress).zip(moduli.to_array()) {
                     *sum += acts * weight * stress.dot(&virtual_field);
                 }

@@ -12,8 +12,19 @@ pub(crate) fn element_values<const N: usize>(nodes: &[u32; N], u: &[f64]) -> [Po
     })
 }
 
-/// F = I + Σ_a u_a ⊗ ∇N_a
+/// F = I + ∇u
 pub(crate) fn deformation_gradient<const N: usize>(
+    gradients: &[Point3; N],
+    displacement: &[Point3; N],
+) -> Matrix3<f64> {
+    let mut sum = displacement_gradient(gradients, displacement);
+    (0..3).for_each(|axis| sum[(axis, axis)] += 1.0);
+    sum
+}
+
+/// ∇u = Σ_a u_a ⊗ ∇N_a
+// F − I has it to 1e-16 alone: of an adjoint variable, which is as small as the derivative of the loss, nothing may be left.
+pub(crate) fn displacement_gradient<const N: usize>(
     gradients: &[Point3; N],
     displacement: &[Point3; N],
 ) -> Matrix3<f64> {
@@ -23,7 +34,6 @@ pub(crate) fn deformation_gradient<const N: usize>(
             (0..3).for_each(|i| column[i] += u[i] * derivative);
         }
     }
-    (0..3).for_each(|axis| columns[axis][axis] += 1.0);
     Matrix3::from_column_slice(columns.as_flattened())
 }
 
@@ -74,7 +84,15 @@ pub(crate) fn add_blocks<const N: usize>(blocks: &mut [[f64; 9]], gradients: &[P
 
 /// The same for nodes and gradients in lists, from a vector `u` with 3 entries per node.
 pub(crate) fn deformation_of(nodes: &[u32], gradients: &[Point3], u: &[f64]) -> Matrix3<f64> {
-    let mut sum = Matrix3::identity();
+    add_gradient_of(Matrix3::identity(), (nodes, gradients), u)
+}
+
+/// ∇u, alike.
+pub(crate) fn displacement_gradient_of(nodes: &[u32], gradients: &[Point3], u: &[f64]) -> Matrix3<f64> {
+    add_gradient_of(Matrix3::zeros(), (nodes, gradients), u)
+}
+
+fn add_gradient_of(mut sum: Matrix3<f64>, (nodes, gradients): (&[u32], &[Point3]), u: &[f64]) -> Matrix3<f64> {
     for (&node, gradient) in nodes.iter().zip(gradients) {
         let first_dof = 3 * node as usize;
         for (axis, derivative) in gradient.iter().enumerate() {

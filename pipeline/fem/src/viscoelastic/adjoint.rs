@@ -58,7 +58,7 @@ impl AdjointHistory {
         for_each_point(step.data, step.regions, |point, region| {
             let histories = (step.before.of_point(point), step.now.of_point(point));
             let gradient = point.deformation(step.displacement);
-            let virtual_gradient = point.deformation(lambda) - nalgebra::Matrix3::identity();
+            let virtual_gradient = point.displacement_gradient(lambda);
             let mut work = symmetric(&(gradient.tr_mul(&virtual_gradient)));
             work.iter_mut().for_each(|entry| *entry *= point.weight);
             let point_tensors = &mut self.tensors[point.own.clone()];

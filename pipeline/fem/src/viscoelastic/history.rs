@@ -1,6 +1,6 @@
 //! Histories: the shear stress of the last step and the overstress of each branch, at every relaxing quadrature point.
 
-use crate::assembly::kernels::deformation_of;
+use crate::assembly::kernels::{deformation_of, displacement_gradient_of};
 use crate::system_data::SystemData;
 use materials::step::RegionStep;
 use materials::symmetric::Symmetric;
@@ -32,6 +32,11 @@ impl Point<'_> {
     /// F at displacement `u`, 3 entries per node, m.
     pub(crate) fn deformation(&self, u: &[f64]) -> Matrix3<f64> {
         deformation_of(self.nodes, self.gradients, u)
+    }
+
+    /// ∇u, alike.
+    pub(crate) fn displacement_gradient(&self, u: &[f64]) -> Matrix3<f64> {
+        displacement_gradient_of(self.nodes, self.gradients, u)
     }
 
     /// Adds `scale` P ∇N_a to the force on each node, 3 entries per node.

@@ -6,7 +6,6 @@ use crate::system_data::SystemData;
 use crate::viscoelastic::history::{HistoryStep, Point, for_each_point};
 use materials::step::RegionStep;
 use materials::symmetric::{Symmetric, add_scaled, matrix};
-use nalgebra::Matrix3;
 use si::Pascal;
 
 /// The derivatives of one region's numbers by a parameter.
@@ -71,7 +70,7 @@ impl HistorySensitivity {
         let mut tensors = Vec::new();
         for_each_point(data, regions, |point, region| {
             let gradient = point.deformation(u);
-            let change = point.deformation(du) - Matrix3::identity();
+            let change = point.displacement_gradient(du);
             tensors.push(region.stress_change(&gradient, &change));
             tensors.extend(region.branches.iter().map(|_| [0.0; 6]));
         });
@@ -101,7 +100,7 @@ impl HistorySensitivity {
         for_each_point(step.data, step.regions, |point, region| {
             let (before, now) = (step.before.of_point(point), step.now.of_point(point));
             let gradient = point.deformation(step.displacement);
-            let change = point.deformation(du) - Matrix3::identity();
+            let change = point.displacement_gradient(du);
             let point_tensors = &mut self.tensors[point.own.clone()];
             region.advance(point_tensors, region.stress_change(&gradient, &change));
             for (number, overstress) in point_tensors[1..].iter_mut().enumerate() {

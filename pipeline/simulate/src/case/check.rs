@@ -247,7 +247,17 @@ fn check_dynamic(set: &Dynamic) -> Checked {
     }
     check_budget("dynamic", set.budget())?;
     within("dynamic.mass_damping", set.mass_damping, 0.0..=1e6, "1/s")?;
-    within("dynamic.stiffness_damping", set.stiffness_damping, 0.0..=1e3, "s")
+    within("dynamic.stiffness_damping", set.stiffness_damping, 0.0..=1e3, "s")?;
+    let is_moved_by_inertia = fem::Scheme::from(set.scheme) != fem::Scheme::QuasiStatic;
+    let of_inertia = [
+        ("mass_damping", set.mass_damping > 0.0),
+        ("stiffness_damping", set.stiffness_damping > 0.0),
+        ("lumped_mass", set.lumped_mass),
+    ];
+    of_inertia.iter().try_for_each(|(word, is_given)| {
+        let rule = "it has no effect on a quasi-static motion, whose states are equilibria";
+        require(&format!("dynamic.{word}"), is_moved_by_inertia || !is_given, rule)
+    })
 }
 
 fn check_output(output: &Output) -> Checked {
@@ -393,6 +403,16 @@ output = { node = [{ name = "tip", near = [0.1, 0.0, 0.0] }], marker = [{ name =
             (set, "dynamic = { duration = 1.0, step = 2.0 }", "dynamic.step"),
             (set, "dynamic = { duration = 1.0 }", "dynamic"),
             (set, "dynamic = { duration = 1.0, step = 0.5, mass_damping = -1.0 }", "dynamic.mass_damping"),
+            (
+                set,
+                "dynamic = { duration = 1.0, step = 0.5, scheme = \"quasi_static\", mass_damping = 1.0 }",
+                "dynamic.mass_damping",
+            ),
+            (
+                set,
+                "dynamic = { duration = 1.0, step = 0.5, scheme = \"quasi_static\", lumped_mass = true }",
+                "dynamic.lumped_mass",
+            ),
             (
                 set,
                 "dynamic = { duration = 1.0, adaptive = { tolerance = 1e-5, shortest = 0.1, longest = 0.01 } }",
