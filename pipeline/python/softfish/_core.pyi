@@ -10,6 +10,7 @@ import numpy.typing as npt
 from softfish._records import (
     BoardAsked,
     BoxMesh,
+    MeshedSurfaces,
     CaseData,
     Direction,
     DynamicSettings,
@@ -143,6 +144,11 @@ class Solver:
         direction: tuple[list[float], list[float], list[float], list[float]],
     ) -> _Array: ...
     def reduce(self, snapshots: _Array, coordinates: int, tolerance: float) -> ReducedModel: ...
+    def train(
+        self,
+        ranges: tuple[list[tuple[str, int, tuple[str, float, float]]], list[tuple[str, float, float]]],
+        limits: tuple[float, int, float],
+    ) -> tuple[ReducedModel, int, float]: ...
     def restore(self, modes: _Array, points: list[tuple[list[int], list[float]]], size: float) -> ReducedModel: ...
 
 _Pair = tuple[_Array, _Array]
@@ -200,5 +206,10 @@ def fit(
 def run_case(
     path: str, output: tuple[str | None, bool], budget: tuple[int | None, int | None, float | None]
 ) -> tuple[Any, int, int]: ...
+def mesh_surfaces(
+    parts: tuple[tuple[_Array, list[int]], list[tuple[_Array, list[int]]], list[tuple[_Array, list[int]]]],
+    edge: float,
+    method: str,
+) -> MeshedSurfaces: ...
 def box_mesh(size: tuple[float, float, float], cells: tuple[int, int, int], kind: str) -> BoxMesh: ...
 def require_record(root: Path, profile: str, name: str) -> None: ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from softfish._arguments import checked, one_of
 from softfish._arrays import Array, IntArray, Sealed, file, frozen, integers, reals, repeated, whole, within
 from softfish._errors import InputError
 from softfish._export import grid_of, page
+from softfish._surfaces import Method, meshed
 
 Unit = Literal["m", "mm", "cm", "inch"]
 #: One of it, m.
@@ -36,6 +37,9 @@ class Mesh(Sealed):
     Every mesh is checked: inverted, flat and repeated elements, nodes that lie at the same place and faces of more than two elements are
     refused. Nodes that no element uses are dropped; `numbering` then says where each node is.
     """
+
+    #: What `from_surfaces` changed of the surfaces, a sentence each.
+    repairs: tuple[str, ...] = ()
 
     @checked()
     def __init__(
@@ -103,6 +107,26 @@ class Mesh(Sealed):
         """From the closed surface of a body, and that of a plane sheet in it, with edges of the length `edge` (m)."""
         files = (os.fspath(body), None if spine is None else os.fspath(spine))
         return cls._of(_core.Mesh.from_surfaces(files, edge, (unit, half)))
+
+    @classmethod
+    @checked(method=one_of("columns", "general", "auto"))
+    def from_surfaces(
+        cls,
+        body: Any,
+        edge: float,
+        *,
+        inserts: Sequence[Any] = (),
+        cavities: Sequence[Any] = (),
+        names: Mapping[int, str] | None = None,
+        method: Method = "auto",
+    ) -> Mesh:
+        """Quadratic tetrahedra in a body, with edges of the length `edge` (m): region 0, `inserts` that displace it regions 1, 2, …, `cavities`
+        empty. A surface is a pair (points × 3 in m, faces × 3), a `trimesh.Trimesh` or a `pyvista.PolyData`; gaps, holes and faces that look the
+        wrong way are repaired, see `repairs`. `method`: in columns, the general one, or columns where they divide the body."""
+        made = meshed(body, (inserts, cavities), edge, method)
+        mesh = cls(made["nodes"].reshape(-1, 3), made["elements"].reshape(-1, 10), made["regions"], names=names)
+        mesh.repairs = tuple(made["repairs"])
+        return mesh
 
     @classmethod
     @checked()

@@ -178,6 +178,15 @@ class BoxMesh(TypedDict):
     each: int
 
 
+class MeshedSurfaces(TypedDict):
+    """A mesh of quadratic tetrahedra that surfaces enclose."""
+
+    nodes: Array
+    elements: IntArray
+    regions: IntArray
+    repairs: list[str]
+
+
 class FilmAsked(TypedDict):
     """What is asked of a film."""
 

@@ -563,12 +563,38 @@ class Solver(Sealed):
 
         return JaxFunction(self, output, wrt, kept=kept, steps=steps, **settings)
 
-    @checked(coordinates=counted(1, 1000), tolerance=between(1e-12, 1.0))
-    def reduce(self, snapshots: npt.ArrayLike, coordinates: int = 20, *, tolerance: float = 1e-3) -> ReducedModel:
-        """The body in at most `coordinates` modes of displacements (snapshots × nodes × 3) that it took."""
-        from softfish._reduced import ReducedModel
+    @checked(coordinates=counted(1, 1000), tolerance=between(1e-12, 1.0), equilibria=counted(1, 1000))
+    def reduce(
+        self,
+        snapshots: npt.ArrayLike | None = None,
+        coordinates: int | None = None,
+        *,
+        tolerance: float | None = None,
+        over: Mapping[str, tuple[float, float]] | None = None,
+        pressure: Mapping[str, tuple[float, float]] | None = None,
+        equilibria: int | None = None,
+    ) -> ReducedModel:
+        """The body in a few modes.
 
-        return ReducedModel.of(self, snapshots, coordinates, tolerance)
+        Of `snapshots` (snapshots × nodes × 3, m) that it took: at most `coordinates` (20) of them, `tolerance` (1e-3) that of the cubature. Or trained
+        as `study reduce` does: `over` ranges of constants, `{"E.silicone": (1e5, 3e5), "nu.silicone": (0.45, 0.49)}`, and of each chamber's
+        `pressure`, `{"air": (0.0, 3e4)}`; at most `equilibria` (60) of the whole body teach it, until points drawn from the ranges differ by at
+        most `tolerance` (5e-3) of the largest displacement."""
+        from softfish._reduced import ReducedModel
+        from softfish._training import trained
+
+        if (snapshots is None) == (pressure is None):
+            why = "a model is made of snapshots, or trained over ranges of pressures"
+            raise InputError("`reduce` needs either `snapshots` or `pressure`", why, "give one of them")
+        if snapshots is not None:
+            if over is not None or equilibria is not None:
+                why = "snapshots are shapes of one body"
+                raise InputError("`over` and `equilibria` belong to a training", why, "leave them out, or give `pressure` in place of `snapshots`")
+            return ReducedModel.of(self, snapshots, 20 if coordinates is None else coordinates, 1e-3 if tolerance is None else tolerance)
+        if coordinates is not None:
+            raise InputError("`coordinates` belong to `snapshots`", "a training takes as many as its tolerance needs", "leave it out")
+        limits = (5e-3 if tolerance is None else tolerance, 60 if equilibria is None else equilibria)
+        return trained(self, over or {}, pressure or {}, limits)
 
     def _limits(self, given: Limits) -> Limits:
         """Iterations, cut-backs and seconds: what is given, else the case's."""

@@ -21,6 +21,7 @@ mod project;
 mod reduced;
 mod solver;
 mod statics;
+mod surfaces;
 mod threads;
 mod twin;
 
@@ -42,6 +43,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(film::track, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::box_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(surfaces::mesh_surfaces, module)?)?;
     module.add_function(wrap_pyfunction!(project::require_record, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("MATERIALS", fem::materials::ALL.iter().map(|law| law.name()).collect::<Vec<_>>())

@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use fem::{
     DynamicSettings, Parameter, ReducedEquilibrium, ReducedModelData, ReducedSolver, ReducedState, ReducedStep,
-    ReductionSettings, RegionProperties,
+    ReductionSettings, RegionProperties, StaticSettings,
 };
 use nalgebra::DVector;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use simulate::{NamedRange, TrainingBox, train_reduced};
 
 use crate::arrays::{Reals, array, slice, vector};
-use crate::errors::{raised, refused};
+use crate::errors::{Kind, of_diagnostic, raised, refused};
 use crate::interrupt::{guarded, watched};
 use crate::memory;
 use crate::motion::Settings;
@@ -48,6 +49,8 @@ impl ReducedModel {
     }
 }
 
+/// `E` or `nu` of a region, by its number, with its name and range.
+type NamedConstant = (String, usize, (String, f64, f64));
 /// Pressures, Pa, by chamber; E, Pa, and ν by region.
 type Constants = (Vec<f64>, Vec<(f64, f64)>);
 
@@ -109,6 +112,36 @@ impl Solver {
             // length: Python hands over whole snapshots
             let each: Vec<&[f64]> = all.chunks_exact(full).collect();
             Ok(ReducedModel::new(shared.system.reduce(&each, &settings).map_err(raised)?, &shared.system))
+        })
+    }
+
+    /// Trains a reduced model over ranges (low, high) of E or ν by region, and of every chamber's pressure, Pa; returns it with the number of equilibria
+    /// that taught it and the largest difference of a node at points that were checked, over the largest displacement.
+    fn train(
+        &self,
+        py: Python<'_>,
+        ranges: (Vec<NamedConstant>, Vec<(String, f64, f64)>),
+        limits: (f64, usize, f64),
+    ) -> PyResult<(ReducedModel, usize, f64)> {
+        let (shared, (constants, pressures), (tolerance, most, statics)) = (self.shared.clone(), ranges, limits);
+        let range = |(name, low, high)| NamedRange { name, low, high };
+        let constant = |(kind, region, named): NamedConstant| {
+            let parameter =
+                if kind == "E" { Parameter::YoungsModulus(region) } else { Parameter::PoissonsRatio(region) };
+            (parameter, range(named))
+        };
+        let space = TrainingBox {
+            constants: constants.into_iter().map(constant).collect(),
+            pressures: pressures.into_iter().map(range).collect(),
+            tolerance,
+            most,
+        };
+        watched(py, move |_| {
+            let settings = StaticSettings { tolerance: statics, ..StaticSettings::default() };
+            let trained = train_reduced(&shared.system, &space, settings, &|_| ());
+            let trained = trained.map_err(|e| of_diagnostic(&e, Kind::Convergence))?;
+            let model = ReducedModel { model: trained.model, regions: shared.system.regions().to_vec() };
+            Ok((model, trained.taught, trained.checked.1))
         })
     }
 

@@ -125,3 +125,31 @@ def test_what_lies_outside_the_trained_ranges_is_refused(block: sf.Solver, model
         trained.equilibrium({"air": 9e3})
     with pytest.raises(sf.InputError, match=rf"`E.{region}` is 10"):
         trained.equilibrium({"air": 1e3}, E={region: 10.0})
+
+
+def test_a_model_is_trained_over_ranges_and_refuses_what_lies_outside(finger: sf.Solver) -> None:
+    region, chamber = finger.regions[0], finger.chambers[0]
+    ranges = {f"E.{region}": (1.5e5, 2.5e5)}
+    model = finger.reduce(over=ranges, pressure={chamber: (0.0, 6e3)}, tolerance=1e-2)
+    state = model.equilibrium({chamber: 5e3}, E={region: 1.8e5})
+    whole = finger.equilibrium(pressure={chamber: 5e3}, E={region: 1.8e5}).displacement
+    assert np.abs(model.displacement(state) - whole).max() < 1e-2 * np.abs(whole).max()
+    assert model.trained[chamber] == (0.0, 6e3) and model.trained[f"E.{region}"] == (1.5e5, 2.5e5)
+    with pytest.raises(sf.InputError):
+        model.equilibrium({chamber: 9e3})
+
+
+def test_trainings_that_cannot_be_are_refused(finger: sf.Solver, block: sf.Solver) -> None:
+    chamber = finger.chambers[0]
+    for arguments, words in [
+        ({}, "either"),
+        ({"pressure": {"none": (0.0, 1.0)}}, "there is no chamber"),
+        ({"pressure": {chamber: (0.0, 0.0)}}, "no pressure varies"),
+        ({"pressure": {chamber: (2.0, 1.0)}}, "low, high"),
+        ({"pressure": {chamber: (0.0, 1e3)}, "over": {"mu.x": (1.0, 2.0)}}, "known are E."),
+        ({"pressure": {chamber: (0.0, 1e3)}, "coordinates": 4}, "coordinates"),
+    ]:
+        with pytest.raises(sf.Error, match=words):
+            finger.reduce(**arguments)  # type: ignore[arg-type]
+    with pytest.raises(sf.InputError, match="gravity"):
+        block.reduce(pressure={"air": (0.0, 1e3)})

@@ -1,5 +1,7 @@
 """Reduced tails: their steps, states and refusals, and a stepper written from their page alone."""
 
+from __future__ import annotations
+
 import copy
 import json
 import pickle

@@ -1,0 +1,64 @@
+//! Bodies from closed surfaces that are arrays: a body, inserts that displace it, and cavities.
+
+use mesh::{Assembly, Method, QuadraticElements, Settings, Surface, mesh_assembly};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Reals, array, node_numbers, slice};
+use crate::errors::{Kind, of_diagnostic, refused};
+use crate::interrupt::watched;
+use diagnostics::Diagnostic;
+
+/// Corners, 3 numbers each, m, and three corner numbers a face.
+type Triangles<'py> = (Reals<'py>, Vec<i64>);
+
+fn surface((points, faces): &Triangles<'_>) -> PyResult<Surface> {
+    // length: Python hands over points × 3 and faces × 3
+    let points: Vec<[f64; 3]> = slice("points", points)?.as_chunks().0.to_vec();
+    let faces: Vec<[u32; 3]> = node_numbers(faces)?.as_chunks().0.to_vec();
+    if let Some(face) = faces.iter().position(|face| face.iter().any(|corner| *corner as usize >= points.len())) {
+        let what = format!("face {face} names a corner that there is not");
+        return Err(refused(what, format!("there are {} points", points.len()), "check the faces"));
+    }
+    Ok(Surface { points, faces })
+}
+
+/// Meshes a body with its inserts and cavities. Returns nodes, quadratic tetrahedra, the region of each, and what was changed of the surfaces.
+#[pyfunction]
+pub(crate) fn mesh_surfaces<'py>(
+    py: Python<'py>,
+    parts: (Triangles<'py>, Vec<Triangles<'py>>, Vec<Triangles<'py>>),
+    edge: f64,
+    method: &str,
+) -> PyResult<Bound<'py, PyDict>> {
+    let method = match method {
+        "columns" => Method::Columns,
+        "general" => Method::General,
+        _ => Method::Auto,
+    };
+    let body = surface(&parts.0)?;
+    let inserts = parts.1.iter().map(surface).collect::<PyResult<Vec<_>>>()?;
+    let cavities = parts.2.iter().map(surface).collect::<PyResult<Vec<_>>>()?;
+    let chosen = watched(py, move |_| {
+        let assembly = Assembly { body: &body, inserts: inserts.iter().collect(), cavities: cavities.iter().collect() };
+        let settings = Settings { method, use_symmetry: false, ..Settings::new(edge) };
+        mesh_assembly(&assembly, &settings, &|_| ()).map_err(|e| of_diagnostic(&Diagnostic::from(e), Kind::Mesh))
+    })?;
+    let mesh = chosen.solid;
+    let QuadraticElements::Tetrahedra(elements) = &mesh.elements else {
+        return Err(refused("the mesh is of hexahedra", "bodies from surfaces are tetrahedra", "report this"));
+    };
+    let made = PyDict::new(py);
+    made.set_item(
+        "elements",
+        PyArray1::from_iter(py, elements.iter().flatten().map(|node| i64::from(*node)).collect::<Vec<_>>()),
+    )?;
+    made.set_item(
+        "regions",
+        PyArray1::from_iter(py, mesh.regions.iter().map(|region| i64::from(*region)).collect::<Vec<_>>()),
+    )?;
+    made.set_item("repairs", chosen.report.repairs)?;
+    made.set_item("nodes", array(py, mesh.nodes.into_flattened()))?;
+    Ok(made)
+}
