@@ -140,14 +140,13 @@ pub unsafe extern "C" fn twin_step(
     tail: *const Tail,
     state: *mut TwinState,
     pressures: *const f64,
-    chambers: usize,
     duration: f64,
 ) -> c_int {
     guarded(1, || {
         let (tail, _) = (unsafe { borrowed(tail) }?, unsafe { borrowed(state) }?);
-        let pressures = match chambers {
+        let pressures = match tail.chambers.len() {
             0 => &[],
-            _ => {
+            chambers => {
                 unsafe { borrowed(pressures) }?;
                 unsafe { std::slice::from_raw_parts(pressures, chambers) }
             }
@@ -190,18 +189,17 @@ pub unsafe extern "C" fn twin_save(
     tail: *const Tail,
     state: *const TwinState,
     bytes: *mut u8,
-    capacity: usize,
     length: *mut usize,
 ) -> c_int {
     guarded(1, || {
         let saved = unsafe { borrowed(tail) }?.twin.saved(unsafe { borrowed(state) }?).map_err(message_of)?;
-        unsafe { borrowed(length) }?;
+        let room = *unsafe { borrowed(length) }?;
         unsafe { length.write(saved.len()) };
         if bytes.is_null() {
             return Ok(0);
         }
-        if capacity < saved.len() {
-            return Err(format!("the state has {} bytes, and there is room for {capacity}", saved.len()));
+        if room < saved.len() {
+            return Err(format!("the state has {} bytes, and there is room for {room}", saved.len()));
         }
         unsafe { std::ptr::copy_nonoverlapping(saved.as_ptr(), bytes, saved.len()) };
         Ok(0)

@@ -21,7 +21,7 @@ static double reach(const twin *tail, size_t output, double pressure) {
     twin_state *state = twin_start(tail);
     for (int n = 1; n <= 200; n++) {
         pressures[0] = pressure * n / 200.0;
-        if (twin_step(tail, state, pressures, 2, 0.005)) fail();
+        if (twin_step(tail, state, pressures, 0.005)) fail();
     }
     double displacement = twin_output(tail, state, output);
     twin_state_free(state);
@@ -37,6 +37,10 @@ int main(int count, char **arguments) {
     if (!tail) fail();
     long output = twin_output_number(tail, arguments[2]);
     double range[2], goal = atof(arguments[3]);
+    if (twin_chambers(tail) != 2) {
+        fprintf(stderr, "the loop is for a tail of two chambers\n");
+        return 2;
+    }
     if (output < 0 || twin_chamber_range(tail, 0, range)) fail();
     double highest = fmin(range[1], 2e4), gain = highest / reach(tail, (size_t)output, highest), integral = 0.0, last = 0.0;
     twin_state *state = twin_start(tail);
@@ -47,7 +51,7 @@ int main(int count, char **arguments) {
         double pressure = fmax(-highest, fmin(highest, wish)), pressures[2] = {fmax(pressure, 0.0), fmax(-pressure, 0.0)};
         if (pressure == wish) integral += error / RATE; /* it stands still while the valves are at their limit */
         last = tip;
-        if (twin_step(tail, state, pressures, 2, 1.0 / RATE)) fail();
+        if (twin_step(tail, state, pressures, 1.0 / RATE)) fail();
     }
     printf("%.9f %.9f\n", twin_time(state), twin_output(tail, state, (size_t)output));
     twin_state_free(state);

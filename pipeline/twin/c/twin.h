@@ -38,8 +38,8 @@ int twin_chamber_range(const twin *tail, size_t chamber, double range[2]);
 twin_state *twin_start(const twin *tail);
 void twin_state_free(twin_state *state);
 
-/* Steps by `duration` (s), at whose end each chamber has its pressure (Pa). A step that fails leaves the state as it was. */
-int twin_step(const twin *tail, twin_state *state, const double *pressures, size_t chambers, double duration);
+/* Steps by `duration` (s), at whose end each of the twin_chambers has its pressure (Pa). A step that fails leaves the state as it was. */
+int twin_step(const twin *tail, twin_state *state, const double *pressures, double duration);
 
 double twin_time(const twin_state *state);
 /* Displacement of an output, m; not a number where there is no such output. */
@@ -49,8 +49,8 @@ double twin_volume(const twin *tail, const twin_state *state, size_t chamber);
 /* The largest coordinate over that of the shapes that the tail was reduced from: above 1 it is larger than anything that was seen. */
 double twin_excursion(const twin *tail, const twin_state *state);
 
-/* Writes the state to `bytes` and its length to `length`; with bytes = NULL the length alone. Fails where `capacity` is too small. */
-int twin_save(const twin *tail, const twin_state *state, uint8_t *bytes, size_t capacity, size_t *length);
+/* Writes the state to `bytes`, where there is room for `length`, and sets `length` to its own; with bytes = NULL that alone. */
+int twin_save(const twin *tail, const twin_state *state, uint8_t *bytes, size_t *length);
 /* A saved state; freed by twin_state_free. */
 twin_state *twin_restore(const twin *tail, const uint8_t *bytes, size_t length);
 

@@ -174,7 +174,7 @@ impl Past {
 
 impl Stencil {
     /// Fills `sum` with Σ w x_past.
-    pub fn weigh_history(&self, past: &[Vec<f64>; KEPT], sum: &mut [f64]) {
+    pub(crate) fn weigh_history(&self, past: &[Vec<f64>; KEPT], sum: &mut [f64]) {
         sum.fill(0.0);
         self.weights.iter().zip(past).for_each(|(weight, x)| add(sum, *weight, x));
     }

@@ -5,6 +5,10 @@ use crate::tree::{crates, text, top};
 
 /// What a reader takes in at one sitting; what is longer moves to the page of the crate that it concerns.
 const MAX_README_WORDS: usize = 1_000;
+/// One page; what a module's documentation says better stands there.
+const MAX_CONTRIBUTING_WORDS: usize = 900;
+/// Folders in which a path of CONTRIBUTING begins.
+const BASES: [&str; 4] = ["", "pipeline", "pipeline/study/src", "tests/tests"];
 /// From a fresh clone, the paper and the tests.
 const COMMANDS: [&str; 2] = ["cargo install just --locked && just all", "cargo install just --locked && just test"];
 
@@ -28,10 +32,31 @@ fn dead_links(page: &str) -> Vec<String> {
     dead.map(|target| format!("{page} links to {target}, which does not exist")).collect()
 }
 
+/// Paths between backquotes; those with a name to fill in are left out.
+fn quoted_paths(page: &str) -> Vec<&str> {
+    let quoted = page.split('`').skip(1).step_by(2);
+    quoted
+        .filter(|path| {
+            path.contains('/') && !path.starts_with("//") && !path.contains([' ', '<', '{']) && !path.contains("NAME")
+        })
+        .collect()
+}
+
 #[test]
-fn the_readme_is_short() {
-    let words = text("README.md").split_whitespace().count();
-    assert!(words <= MAX_README_WORDS, "README.md has {words} words; the limit is {MAX_README_WORDS}");
+fn the_readme_and_contributing_are_short() {
+    for (page, limit) in [("README.md", MAX_README_WORDS), ("CONTRIBUTING.md", MAX_CONTRIBUTING_WORDS)] {
+        let words = text(page).split_whitespace().count();
+        assert!(words <= limit, "{page} has {words} words; the limit is {limit}");
+    }
+}
+
+#[test]
+fn every_path_of_contributing_exists() {
+    let page = text("CONTRIBUTING.md");
+    let is_missing = |path: &&str| !BASES.iter().any(|base| top().join(base).join(path).exists());
+    let missing = quoted_paths(&page).into_iter().filter(is_missing);
+    assert_none(missing.map(|path| format!("CONTRIBUTING names `{path}`, which does not exist")).collect());
+    assert!(quoted_paths(&page).len() > 20, "{:?}", quoted_paths(&page));
 }
 
 #[test]
