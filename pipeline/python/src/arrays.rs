@@ -3,13 +3,13 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::errors::refused;
+use crate::errors::input_error;
 
 /// One-dimensional, contiguous, of double precision: what the Python part of the package hands over.
 pub(crate) type Reals<'py> = PyReadonlyArray1<'py, f64>;
 
 /// An array that takes a vector over; it is read-only where the solver may read it again.
-pub(crate) fn array<'py>(py: Python<'py>, values: Vec<f64>) -> Bound<'py, PyArray1<f64>> {
+pub(crate) fn numpy_array<'py>(py: Python<'py>, values: Vec<f64>) -> Bound<'py, PyArray1<f64>> {
     PyArray1::from_vec(py, values)
 }
 
@@ -17,18 +17,22 @@ pub(crate) fn array<'py>(py: Python<'py>, values: Vec<f64>) -> Bound<'py, PyArra
 ///
 /// # Errors
 /// `InputError` when they do not lie one after the other.
-pub(crate) fn slice<'a>(name: &str, values: &'a Reals<'_>) -> PyResult<&'a [f64]> {
+pub(crate) fn number_slice<'a>(name: &str, values: &'a Reals<'_>) -> PyResult<&'a [f64]> {
     values.as_slice().map_err(|_| {
-        refused(format!("{name} is not contiguous"), "its numbers do not lie one after the other", "pass a copy of it")
+        input_error(
+            format!("{name} is not contiguous"),
+            "its numbers do not lie one after the other",
+            "pass a copy of it",
+        )
     })
 }
 
 /// The numbers of an array as a vector.
 ///
 /// # Errors
-/// As [`slice`].
-pub(crate) fn vector(name: &str, values: &Reals<'_>) -> PyResult<Vec<f64>> {
-    slice(name, values).map(<[f64]>::to_vec)
+/// As [`number_slice`].
+pub(crate) fn number_vector(name: &str, values: &Reals<'_>) -> PyResult<Vec<f64>> {
+    number_slice(name, values).map(<[f64]>::to_vec)
 }
 
 /// The power of two just below the largest of `numbers`, 1 where all are 0. Derivatives are linear in cotangents and directions, so that what is
@@ -45,7 +49,7 @@ pub(crate) fn scale_of<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> f64 {
 pub(crate) fn node_numbers(values: &[i64]) -> PyResult<Vec<u32>> {
     let number = |&value: &i64| {
         u32::try_from(value).map_err(|_| {
-            refused(
+            input_error(
                 format!("an element names the node {value}"),
                 "nodes are counted from 0, and there are at most 4294967295",
                 "check the elements",
@@ -63,5 +67,5 @@ pub(crate) fn check_length(name: &str, given: usize, required: usize) -> PyResul
     if given == required {
         return Ok(());
     }
-    Err(refused(format!("{name} has {given} numbers"), format!("{required} are required"), "check its shape"))
+    Err(input_error(format!("{name} has {given} numbers"), format!("{required} are required"), "check its shape"))
 }

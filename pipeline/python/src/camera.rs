@@ -8,9 +8,9 @@ use pyo3::types::PyDict;
 use track::board::{Target, TargetKind};
 use track::lens::Distortion;
 
-use crate::arrays::array;
+use crate::arrays::numpy_array;
 use crate::errors::{Kind, of_diagnostic};
-use crate::interrupt::watched;
+use crate::interrupt::run_watched;
 
 /// What is asked for, in the names of the command line.
 #[derive(FromPyObject)]
@@ -46,22 +46,25 @@ impl From<Asked> for Request {
 #[pyfunction]
 pub(crate) fn calibrate(py: Python<'_>, asked: Asked) -> PyResult<Bound<'_, PyDict>> {
     let request = Request::from(asked);
-    let found = watched(py, move |signals| {
+    let calibrated_camera = run_watched(py, move |signals| {
         let calibrated = camera(&request, Some(&*signals.interrupt()));
         calibrated.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
     })?;
-    let (is, views) = (&found.calibration, found.views());
+    let (is, views) = (&calibrated_camera.calibration, calibrated_camera.views());
     let count = is.lens.count();
     let covariance = is.covariance.iter().take(count).flat_map(|row| row[..count].to_vec()).collect();
-    let made = PyDict::new(py);
-    made.set_item("fisheye", is.lens.distortion == Distortion::Fisheye)?;
-    made.set_item("size", found.size)?;
-    made.set_item("mean", array(py, is.lens.values()[..count].to_vec()))?;
-    made.set_item("covariance", array(py, covariance))?;
-    made.set_item("reprojection_error", is.reprojection_px)?;
-    made.set_item("views", views)?;
-    made.set_item("errors", array(py, (0..views.len()).map(|view| found.reprojection_error(view)).collect()))?;
-    made.set_item("rotation", array(py, is.poses.iter().flat_map(|pose| pose.rotation).flatten().collect()))?;
-    made.set_item("translation", array(py, is.poses.iter().flat_map(|pose| pose.translation).collect()))?;
-    Ok(made)
+    let record = PyDict::new(py);
+    record.set_item("fisheye", is.lens.distortion == Distortion::Fisheye)?;
+    record.set_item("size", calibrated_camera.size)?;
+    record.set_item("mean", numpy_array(py, is.lens.values()[..count].to_vec()))?;
+    record.set_item("covariance", numpy_array(py, covariance))?;
+    record.set_item("reprojection_error", is.reprojection_px)?;
+    record.set_item("views", views)?;
+    record.set_item(
+        "errors",
+        numpy_array(py, (0..views.len()).map(|view| calibrated_camera.reprojection_error(view)).collect()),
+    )?;
+    record.set_item("rotation", numpy_array(py, is.poses.iter().flat_map(|pose| pose.rotation).flatten().collect()))?;
+    record.set_item("translation", numpy_array(py, is.poses.iter().flat_map(|pose| pose.translation).collect()))?;
+    Ok(record)
 }

@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use simulate::case::{parse, read};
 use simulate::{Budget, RunOptions};
 
-use crate::errors::{Kind, of_diagnostic, refused};
-use crate::interrupt::watched;
+use crate::errors::{Kind, input_error, of_diagnostic};
+use crate::interrupt::run_watched;
 use crate::mesh::Mesh;
 
 /// A case with the folder that its files are named in.
@@ -22,7 +22,7 @@ pub(crate) struct Case {
 }
 
 /// The class of an error of a case.
-pub(crate) fn refusal(diagnostic: &Diagnostic) -> PyErr {
+pub(crate) fn case_exception(diagnostic: &Diagnostic) -> PyErr {
     of_diagnostic(diagnostic, Kind::Case)
 }
 
@@ -31,17 +31,17 @@ impl Case {
     /// The case in a file.
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Self> {
-        let refused = |diagnostic: Diagnostic| refusal(&diagnostic.in_file_unless_named(&path));
-        let case = read(&path).map_err(refused)?;
+        let input_error = |diagnostic: Diagnostic| case_exception(&diagnostic.in_file_unless_named(&path));
+        let case = read(&path).map_err(input_error)?;
         let unread = |error| Diagnostic::io(&path, error, "name a case, a page of TOML");
-        let text = input::read_text(&path, input::PAGE).map_err(|error| refusal(&unread(error)))?;
+        let text = input::read_text(&path, input::PAGE).map_err(|error| case_exception(&unread(error)))?;
         Ok(Self { case: Arc::new(case), text, path })
     }
 
     /// The case in a text of TOML; `path` stands for its file, in whose folder meshes are found.
     #[staticmethod]
     fn parse(text: &str, path: PathBuf) -> PyResult<Self> {
-        let case = parse(text, &path).map_err(|diagnostic| refusal(&diagnostic))?;
+        let case = parse(text, &path).map_err(|diagnostic| case_exception(&diagnostic))?;
         Ok(Self { case: Arc::new(case), text: text.to_owned(), path })
     }
 
@@ -49,7 +49,7 @@ impl Case {
     #[staticmethod]
     fn parse_json(text: &str, path: PathBuf) -> PyResult<Self> {
         let unreadable =
-            |error: String| refused("the case cannot be read", error, "give numbers, texts, lists and tables");
+            |error: String| input_error("the case cannot be read", error, "give numbers, texts, lists and tables");
         let value: serde_json::Value = serde_json::from_str(text).map_err(|error| unreadable(error.to_string()))?;
         let table = toml::to_string(&value).map_err(|error| unreadable(error.to_string()))?;
         Self::parse(&table, path)
@@ -82,7 +82,7 @@ impl Case {
     /// The mesh that it names.
     fn mesh(&self, py: Python<'_>) -> PyResult<Mesh> {
         let (folder, case) = (self.folder(), self.case.clone());
-        watched(py, move |_| {
+        run_watched(py, move |_| {
             let loaded = simulate::load(&case, &folder);
             loaded.map(Mesh::of).map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Mesh))
         })
@@ -108,9 +108,9 @@ pub(crate) fn run_case(
     let (out, quiet) = output;
     let (max_iterations, max_cutbacks, timeout) = budget;
     let budget = Budget { max_iterations, max_cutbacks, timeout };
-    let summary = watched(py, move |signals| {
+    let summary = run_watched(py, move |signals| {
         let options = RunOptions { out, quiet, interrupt: Some(signals.interrupt()), budget };
-        simulate::run_with(&path, options).map_err(|diagnostic| refusal(&diagnostic))
+        simulate::run_with(&path, options).map_err(|diagnostic| case_exception(&diagnostic))
     })?;
     Ok((summary.folder, summary.dofs, summary.solved))
 }

@@ -32,22 +32,22 @@ impl Kind {
 }
 
 /// The exception of a class.
-pub(crate) fn exception(kind: Kind, parts: [&str; 3]) -> PyErr {
+pub(crate) fn typed_exception(kind: Kind, parts: [&str; 3]) -> PyErr {
     let [what, why, act] = parts;
-    let made = Python::attach(|py| {
+    let raised_error = Python::attach(|py| {
         let class = py.import("softfish._errors")?.getattr(kind.class())?;
         class.call1((what, why, act)).map(PyErr::from_value)
     });
-    made.unwrap_or_else(|error| error)
+    raised_error.unwrap_or_else(|error| error)
 }
 
 /// A refused argument.
-pub(crate) fn refused(what: impl AsRef<str>, why: impl AsRef<str>, act: impl AsRef<str>) -> PyErr {
-    exception(Kind::Input, [what.as_ref(), why.as_ref(), act.as_ref()])
+pub(crate) fn input_error(what: impl AsRef<str>, why: impl AsRef<str>, act: impl AsRef<str>) -> PyErr {
+    typed_exception(Kind::Input, [what.as_ref(), why.as_ref(), act.as_ref()])
 }
 
 /// The exception of an error of a solve or of a setup.
-pub(crate) fn raised(error: impl std::error::Error + Send + Sync + 'static) -> PyErr {
+pub(crate) fn solve_exception(error: impl std::error::Error + Send + Sync + 'static) -> PyErr {
     of_diagnostic(&Diagnostic::from(error), Kind::Input)
 }
 
@@ -62,7 +62,7 @@ pub(crate) fn of_diagnostic(diagnostic: &Diagnostic, other: Kind) -> PyErr {
         None if matches!(diagnostic.downcast_ref(), Some(fem::ReducedError::NoConvergence { .. })) => Kind::Convergence,
         None => other,
     };
-    let place = diagnostic.location.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
-    let what = format!("{place}{}", diagnostic.what);
-    exception(kind, [&what, &diagnostic.why, &diagnostic.action])
+    let prefix = diagnostic.location.as_ref().map(|prefix| format!("{prefix}: ")).unwrap_or_default();
+    let message = format!("{prefix}{}", diagnostic.what);
+    typed_exception(kind, [&message, &diagnostic.why, &diagnostic.action])
 }

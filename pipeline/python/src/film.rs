@@ -6,9 +6,9 @@ use instruments::film::{self, Request, Starts, Tracks};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::array;
+use crate::arrays::numpy_array;
 use crate::errors::{Kind, of_diagnostic};
-use crate::interrupt::watched;
+use crate::interrupt::run_watched;
 
 /// What is asked for, in the names of the command line.
 #[derive(FromPyObject)]
@@ -47,17 +47,17 @@ impl From<Asked> for Request {
 #[pyfunction]
 pub(crate) fn track(py: Python<'_>, asked: Asked) -> PyResult<Bound<'_, PyDict>> {
     let request = Request::from(asked);
-    let Tracks { first, time, markers } = watched(py, move |signals| {
+    let Tracks { first, time, markers } = run_watched(py, move |signals| {
         let tracked = film::track(&request, Some(&*signals.interrupt()));
         tracked.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
     })?;
-    let all = || markers.iter().flatten();
-    let made = PyDict::new(py);
-    made.set_item("first", first)?;
-    made.set_item("time", array(py, time))?;
-    made.set_item("position", array(py, all().flat_map(|o| o.at).collect()))?;
-    made.set_item("covariance", array(py, all().flat_map(|o| o.covariance).flatten().collect()))?;
-    made.set_item("residual", array(py, all().map(|o| o.residual).collect()))?;
-    made.set_item("seen", all().map(|o| o.seen).collect::<Vec<bool>>())?;
-    Ok(made)
+    let points = || markers.iter().flatten();
+    let record = PyDict::new(py);
+    record.set_item("first", first)?;
+    record.set_item("time", numpy_array(py, time))?;
+    record.set_item("position", numpy_array(py, points().flat_map(|o| o.at).collect()))?;
+    record.set_item("covariance", numpy_array(py, points().flat_map(|o| o.covariance).flatten().collect()))?;
+    record.set_item("residual", numpy_array(py, points().map(|o| o.residual).collect()))?;
+    record.set_item("seen", points().map(|o| o.seen).collect::<Vec<bool>>())?;
+    Ok(record)
 }

@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 use sysid::free_vibration::{FittedLaw, page, run};
 use sysid::inflation_test;
 
-use crate::case::refusal;
-use crate::errors::refused;
-use crate::interrupt::watched;
+use crate::case::case_exception;
+use crate::errors::input_error;
+use crate::interrupt::run_watched;
 
 /// Name, parameters with units, mean, covariance row by row, criterion, and whether the recordings support it.
 type Law = (&'static str, Vec<(&'static str, &'static str)>, Vec<f64>, Vec<f64>, f64, bool);
@@ -24,16 +24,20 @@ pub(crate) fn fit(
 ) -> PyResult<(String, PathBuf, Vec<Law>)> {
     let path = page(&root, &asked);
     if inflation_test::is_page(&path) {
-        let what = format!("{} is the page of an inflation test", path.display());
-        return Err(refused(what, "laws are fitted to free vibrations", "run study fit on it, or name another page"));
+        let message = format!("{} is the page of an inflation test", path.display());
+        return Err(input_error(
+            message,
+            "laws are fitted to free vibrations",
+            "run study fit on it, or name another page",
+        ));
     }
-    let (report, folder) = watched(py, move |signals| {
-        run(&root, &path, out.as_deref(), Some(signals.interrupt())).map_err(|diagnostic| refusal(&diagnostic))
+    let (report, folder) = run_watched(py, move |signals| {
+        run(&root, &path, out.as_deref(), Some(signals.interrupt())).map_err(|diagnostic| case_exception(&diagnostic))
     })?;
-    Ok((report.to_string(), folder, report.laws().into_iter().map(law).collect()))
+    Ok((report.to_string(), folder, report.laws().into_iter().map(law_record).collect()))
 }
 
-fn law(of: FittedLaw) -> Law {
+fn law_record(of: FittedLaw) -> Law {
     let covariance = of.covariance.transpose().iter().copied().collect();
     (of.name, of.parameters, of.mean, covariance, of.criterion, of.supported)
 }

@@ -5,8 +5,8 @@ use fem::Solver;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Reals, check_length, vector};
-use crate::errors::refused;
+use crate::arrays::{Reals, check_length, number_vector};
+use crate::errors::input_error;
 
 /// The inputs of one solve.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,9 +29,9 @@ impl Inputs {
     /// From the dictionary that the package's Python files make, for a body of so many regions.
     pub(crate) fn of(given: &Bound<'_, PyDict>, regions: usize) -> PyResult<Self> {
         let list = |key: &str| -> PyResult<Vec<f64>> {
-            let absent = || refused(format!("`{key}` is not given"), "a solve needs all of its inputs", "give it");
+            let absent = || input_error(format!("`{key}` is not given"), "a solve needs all of its inputs", "give it");
             let value = given.get_item(key)?.ok_or_else(absent)?;
-            vector(key, &value.extract::<Reals<'_>>()?)
+            number_vector(key, &value.extract::<Reals<'_>>()?)
         };
         let by_region = |key: &str| -> PyResult<Vec<f64>> {
             let values = list(key)?;

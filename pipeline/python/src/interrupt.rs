@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use crate::errors::{Kind, exception};
+use crate::errors::{Kind, typed_exception};
 use crate::threads::in_this_process;
 
 /// Time between two questions: short for a person, long against the 10 µs that one takes.
@@ -68,18 +68,18 @@ impl Signals {
 ///
 /// # Errors
 /// The exception of the handler or of a callback, what `compute` returns, or `InternalError` where it panics.
-pub(crate) fn watched<T: Send + 'static>(
+pub(crate) fn run_watched<T: Send + 'static>(
     py: Python<'_>,
     compute: impl FnOnce(&Signals) -> PyResult<T> + Send + 'static,
 ) -> PyResult<T> {
-    watched_by(py, &Signals::default(), compute)
+    run_watched_by(py, &Signals::default(), compute)
 }
 
-/// As [`watched`], with signals of the caller's own.
+/// As [`run_watched`], with signals of the caller's own.
 ///
 /// # Errors
-/// As [`watched`].
-pub(crate) fn watched_by<T: Send + 'static>(
+/// As [`run_watched`].
+pub(crate) fn run_watched_by<T: Send + 'static>(
     py: Python<'_>,
     signals: &Signals,
     compute: impl FnOnce(&Signals) -> PyResult<T> + Send + 'static,
@@ -87,21 +87,21 @@ pub(crate) fn watched_by<T: Send + 'static>(
     let asked = signals.clone();
     let (done, waiting) = channel();
     let computed = move || {
-        let outcome = guarded(|| in_this_process(|| compute(&asked)));
+        let outcome = run_guarded(|| in_this_process(|| compute(&asked)));
         // Nobody waits any more where the caller had its exception.
         let _ = done.send(asked.outcome(outcome));
     };
     py.detach(move || {
         std::thread::Builder::new().stack_size(STACK).spawn(computed)?;
-        wait(&waiting, signals)
+        wait_for(&waiting, signals)
     })
 }
 
-fn wait<T>(waiting: &Receiver<PyResult<T>>, signals: &Signals) -> PyResult<T> {
+fn wait_for<T>(waiting: &Receiver<PyResult<T>>, signals: &Signals) -> PyResult<T> {
     loop {
         match waiting.recv_timeout(BETWEEN) {
             Ok(outcome) => return outcome,
-            Err(RecvTimeoutError::Disconnected) => return Err(internal("a thread ended without a result")),
+            Err(RecvTimeoutError::Disconnected) => return Err(internal_error("a thread ended without a result")),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = Python::attach(|py| py.check_signals()) {
                     signals.ended.store(true, Ordering::Relaxed);
@@ -117,18 +117,18 @@ fn wait<T>(waiting: &Receiver<PyResult<T>>, signals: &Signals) -> PyResult<T> {
 ///
 /// # Errors
 /// What `compute` returns, or `InternalError`.
-pub(crate) fn guarded<T>(compute: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
+pub(crate) fn run_guarded<T>(compute: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
     // What a panic leaves half done is a solver's, and that is marked so by its lock.
-    catch_unwind(AssertUnwindSafe(compute)).unwrap_or_else(|panic| Err(internal(&words(&*panic))))
+    catch_unwind(AssertUnwindSafe(compute)).unwrap_or_else(|panic| Err(internal_error(&panic_message(&*panic))))
 }
 
-fn words(panic: &(dyn Any + Send)) -> String {
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().cloned();
     text.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned())).unwrap_or_default()
 }
 
-fn internal(message: &str) -> PyErr {
-    let why = format!("the program met a state that it holds impossible: {message}");
+fn internal_error(message: &str) -> PyErr {
+    let reason = format!("the program met a state that it holds impossible: {message}");
     let act = "this is a defect of softfish: report it with this call; make a new solver before the next one";
-    exception(Kind::Internal, ["the call failed", &why, act])
+    typed_exception(Kind::Internal, ["the call failed", &reason, act])
 }

@@ -15,9 +15,9 @@ use pyo3::types::PyDict;
 use simulate::Loaded;
 use simulate::case::{Case, Order, Output, Source, Unit};
 
-use crate::arrays::{Reals, array, check_length, node_numbers, slice};
-use crate::errors::{Kind, of_diagnostic, refused};
-use crate::interrupt::watched;
+use crate::arrays::{Reals, check_length, node_numbers, number_slice, numpy_array};
+use crate::errors::{Kind, input_error, of_diagnostic};
+use crate::interrupt::run_watched;
 use crate::memory;
 
 /// What a body is meshed with.
@@ -55,7 +55,7 @@ pub(crate) struct Mesh {
 }
 
 /// The class of an error of a mesh.
-fn refusal(diagnostic: &Diagnostic) -> PyErr {
+fn mesh_exception(diagnostic: &Diagnostic) -> PyErr {
     of_diagnostic(diagnostic, Kind::Mesh)
 }
 
@@ -70,7 +70,7 @@ impl Mesh {
     }
 
     /// A draft in a unit of length (m), checked.
-    fn checked(raw: RawMesh, unit: f64, half: bool) -> Result<Self, Diagnostic> {
+    fn checked_mesh(raw: RawMesh, unit: f64, half: bool) -> Result<Self, Diagnostic> {
         if is_hexahedral(&raw) {
             let mesh = raw.check_hexahedra(unit, half)?;
             let numbering = mesh.numbering.clone();
@@ -84,18 +84,19 @@ impl Mesh {
     /// With surfaces whose node numbers are those of the caller's arrays; a side of nodes that were dropped is left out.
     fn with_sides(self, sides: Vec<Sides>) -> Self {
         let number = |node: &u32| self.numbering.get(*node as usize).copied().unwrap_or(*node);
-        let kept = |side: &[u32; 4]| Some(side.map(|node| number(&node))).filter(|side| !side.contains(&u32::MAX));
-        let renumbered = |(tag, name, all): Sides| (tag, name, all.iter().filter_map(kept).collect());
+        let renumbered_side =
+            |side: &[u32; 4]| Some(side.map(|node| number(&node))).filter(|side| !side.contains(&u32::MAX));
+        let renumbered = |(tag, name, all): Sides| (tag, name, all.iter().filter_map(renumbered_side).collect());
         let sides = Arc::new(sides.into_iter().map(renumbered).collect());
         Self { sides, ..self }
     }
 
     fn named_sides<'py>(&self, py: Python<'py>) -> Vec<(i64, Option<String>, Bound<'py, PyArray1<i64>>)> {
-        let one = |(tag, name, all): &Sides| {
+        let named = |(tag, name, all): &Sides| {
             let corners = all.as_flattened().iter().map(|&node| i64::from(node)).collect();
             (*tag, name.clone(), PyArray1::from_vec(py, corners))
         };
-        self.sides.iter().map(one).collect()
+        self.sides.iter().map(named).collect()
     }
 
     /// As the solver takes it.
@@ -108,7 +109,7 @@ impl Mesh {
                 nodes: mesh.nodes.clone(),
                 elements: hexahedral_elements(mesh),
                 regions: mesh.numbers.clone(),
-                chambers: mesh.walls.iter().map(|walls| chamber(walls)).collect(),
+                chambers: mesh.walls.iter().map(|walls| chamber_of_walls(walls)).collect(),
                 symmetry_plane_z: mesh.half,
             },
         }
@@ -128,7 +129,7 @@ impl Mesh {
     ) -> PyResult<Self> {
         let (nodes, elements, each) = arrays;
         let ((tags, names), (half, surfaces)) = (tagged, options);
-        let points = slice("nodes", &nodes)?.as_chunks::<3>().0.to_vec();
+        let points = number_slice("nodes", &nodes)?.as_chunks::<3>().0.to_vec();
         let corners = numbers_below("elements", &elements, points.len())?;
         let mut raw = RawMesh {
             node_labels: (0..points.len() as u64).collect(),
@@ -154,8 +155,8 @@ impl Mesh {
                 raw.surface_names = names;
             }
         }
-        watched(py, move |_| {
-            let mesh = Self::checked(raw, 1.0, half).map_err(|diagnostic| refusal(&diagnostic))?;
+        run_watched(py, move |_| {
+            let mesh = Self::checked_mesh(raw, 1.0, half).map_err(|diagnostic| mesh_exception(&diagnostic))?;
             Ok(mesh.with_sides(sides))
         })
     }
@@ -164,24 +165,24 @@ impl Mesh {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, numbers: (String, Option<u8>), half: bool) -> PyResult<Self> {
         let (unit, order) = (unit_named(&numbers.0)?, numbers.1);
-        watched(py, move |_| {
+        run_watched(py, move |_| {
             let hexahedra = simulate::raw_mesh(&path).ok().filter(is_hexahedral);
             if let Some(raw) = hexahedra {
-                let of_file = |diagnostic: Diagnostic| refusal(&diagnostic.in_file_unless_named(&path));
+                let of_file = |diagnostic: Diagnostic| mesh_exception(&diagnostic.in_file_unless_named(&path));
                 let own_order = if raw.each == 8 { 1 } else { 2 };
                 if order.is_some_and(|order| order != own_order) {
-                    let why = format!("its elements of {} nodes are of order {own_order}", raw.each);
-                    return Err(refused(
+                    let reason = format!("its elements of {} nodes are of order {own_order}", raw.each);
+                    return Err(input_error(
                         format!("order is {} for a file of hexahedra", 3 - own_order),
-                        why,
+                        reason,
                         "leave order out, or save tetrahedra",
                     ));
                 }
-                return Self::checked(raw, unit.metres(), half).map_err(of_file);
+                return Self::checked_mesh(raw, unit.metres(), half).map_err(of_file);
             }
             let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
-            let source = Source { file, body: None, spine: None, edge: None, ..source(unit, order, half) };
-            loaded(source, path.parent().map(Into::into).unwrap_or_default())
+            let source = Source { file, body: None, spine: None, edge: None, ..file_source(unit, order, half) };
+            load_source(source, path.parent().map(Into::into).unwrap_or_default())
         })
     }
 
@@ -198,21 +199,22 @@ impl Mesh {
         let name = |path: &PathBuf| std::path::absolute(path).map(|path| path.to_string_lossy().into_owned());
         let body = Some(name(&body)?);
         let spine = spine.as_ref().map(name).transpose()?;
-        let source = Source { file: None, body, spine, edge: Some(edge), ..source(unit, None, half) };
-        watched(py, move |_| loaded(source, PathBuf::new()))
+        let source = Source { file: None, body, spine, edge: Some(edge), ..file_source(unit, None, half) };
+        run_watched(py, move |_| load_source(source, PathBuf::new()))
     }
 
     /// Node positions, 3 numbers each, m.
     fn nodes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.fem_mesh().nodes.into_flattened())
+        numpy_array(py, self.fem_mesh().nodes.into_flattened())
     }
 
     /// Node numbers of all elements, and nodes of each.
     fn elements<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<i64>>, usize) {
         let elements = self.fem_mesh().elements;
         let each = elements.nodes_each();
-        let all = (0..elements.len()).flat_map(|element| elements.nodes(element).iter().map(|&node| i64::from(node)));
-        (PyArray1::from_iter(py, all.collect::<Vec<_>>()), each)
+        let node_numbers =
+            (0..elements.len()).flat_map(|element| elements.nodes(element).iter().map(|&node| i64::from(node)));
+        (PyArray1::from_iter(py, node_numbers.collect::<Vec<_>>()), each)
     }
 
     /// The region of each element.
@@ -239,9 +241,9 @@ impl Mesh {
             let triangles = surface.triangles(elements.iter().copied());
             triangles.iter().flatten().map(|&node| i64::from(node)).collect()
         };
-        let one =
+        let named =
             |surface: &NamedSurface| (surface.tag, surface.name.clone(), PyArray1::from_vec(py, corners(surface)));
-        loaded.surfaces.iter().map(one).collect()
+        loaded.surfaces.iter().map(named).collect()
     }
 
     /// For each node of the caller's arrays its number here, −1 where no element uses it; empty where they are not those of arrays or of a file.
@@ -252,7 +254,7 @@ impl Mesh {
 
     /// It with the numbering and the notes of the mesh that it is a copy of.
     fn noted(&self, numbering: PyReadonlyArray1<'_, i64>, notes: Vec<String>) -> PyResult<Self> {
-        let contiguous = |_| refused("numbering is not contiguous", "its numbers are apart", "pass a copy");
+        let contiguous = |_| input_error("numbering is not contiguous", "its numbers are apart", "pass a copy");
         let numbers = numbering.as_slice().map_err(contiguous)?;
         let numbering = numbers.iter().map(|&number| u32::try_from(number).unwrap_or(u32::MAX)).collect();
         let kinds = match &*self.kinds {
@@ -314,13 +316,13 @@ impl Mesh {
 /// # Errors
 /// `InputError` where one is not.
 fn numbers_below(name: &str, values: &PyReadonlyArray1<'_, i64>, count: usize) -> PyResult<Vec<u32>> {
-    let contiguous = |_| refused(format!("{name} is not contiguous"), "its rows are apart", "pass a copy");
+    let contiguous = |_| input_error(format!("{name} is not contiguous"), "its rows are apart", "pass a copy");
     let numbers = node_numbers(values.as_slice().map_err(contiguous)?)?;
     match numbers.iter().find(|&&node| node as usize >= count) {
         None => Ok(numbers),
         Some(node) => {
-            let why = format!("there are {count}, counted from 0");
-            Err(refused(format!("`{name}` names the node {node}"), why, "check its numbers"))
+            let reason = format!("there are {count}, counted from 0");
+            Err(input_error(format!("`{name}` names the node {node}"), reason, "check its numbers"))
         }
     }
 }
@@ -341,14 +343,14 @@ fn hexahedral_elements(mesh: &HexahedralMesh) -> Elements {
     if mesh.middles.is_empty() {
         return Elements::Hexahedra(mesh.hexahedra.clone());
     }
-    let whole = |(corners, middles): (&[u32; 8], &[u32; 12])| {
+    let twenty_nodes = |(corners, middles): (&[u32; 8], &[u32; 12])| {
         std::array::from_fn(|node| if node < 8 { corners[node] } else { middles[node - 8] })
     };
     // length: a quadratic mesh has middles for every element
-    Elements::QuadraticHexahedra(mesh.hexahedra.iter().zip(&mesh.middles).map(whole).collect())
+    Elements::QuadraticHexahedra(mesh.hexahedra.iter().zip(&mesh.middles).map(twenty_nodes).collect())
 }
 
-fn chamber(walls: &[[u32; 8]]) -> fem::Chamber {
+fn chamber_of_walls(walls: &[[u32; 8]]) -> fem::Chamber {
     fem::Chamber { faces: fem::Faces::QuadraticQuadrilaterals(walls.to_vec()) }
 }
 
@@ -358,11 +360,11 @@ fn unit_named(name: &str) -> PyResult<Unit> {
         "mm" => Ok(Unit::Mm),
         "cm" => Ok(Unit::Cm),
         "inch" => Ok(Unit::Inch),
-        _ => Err(refused(format!("`unit` is {name}"), "known are m, mm, cm and inch", "name one of them")),
+        _ => Err(input_error(format!("`unit` is {name}"), "known are m, mm, cm and inch", "name one of them")),
     }
 }
 
-fn source(unit: Unit, order: Option<u8>, half: bool) -> Source {
+fn file_source(unit: Unit, order: Option<u8>, half: bool) -> Source {
     let order = order.map(|order| if order == 1 { Order::Linear } else { Order::Quadratic });
     Source {
         file: None,
@@ -378,12 +380,12 @@ fn source(unit: Unit, order: Option<u8>, half: bool) -> Source {
     }
 }
 
-fn loaded(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {
+fn load_source(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {
     let (clamp, chamber, load, mass) = Default::default();
     let (contact, statics, dynamic, output) = (None, None, None, Output::default());
     let (gravity, region) = ([0.0; 3], Vec::new());
     let case = Case { gravity, mesh, region, clamp, chamber, load, mass, contact, statics, dynamic, output };
-    simulate::load(&case, &folder).map(Mesh::of).map_err(|diagnostic| refusal(&diagnostic))
+    simulate::load(&case, &folder).map(Mesh::of).map_err(|diagnostic| mesh_exception(&diagnostic))
 }
 
 /// Bytes that a cell of a box takes while its mesh is made and checked: twice what was measured on 30³ cells.
@@ -396,8 +398,8 @@ const QUADRATIC_HEXAHEDRON: f64 = 4e3;
 type MakeBox = fn([f64; 3], [usize; 3]) -> fem::Mesh;
 
 fn quadratic_hexahedra(size: [f64; 3], cells: [usize; 3]) -> fem::Mesh {
-    let place = move |at: [f64; 3]| std::array::from_fn(|axis| size[axis] * at[axis]);
-    fem::box_mesh::quadratic_hexahedra(cells, false, place, |_| Some(0))
+    let scaled = move |at: [f64; 3]| std::array::from_fn(|axis| size[axis] * at[axis]);
+    fem::box_mesh::quadratic_hexahedra(cells, false, scaled, |_| Some(0))
 }
 
 /// A box [0, size] (m) of `cells` grid cells along each axis: `kind` is `linear`, `quadratic`, `hexahedra` or `quadratic_hexahedra`. Returns
@@ -409,25 +411,25 @@ pub(crate) fn box_mesh<'py>(
     cells: [usize; 3],
     kind: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
-    fem::box_mesh::check(size, cells).map_err(|error| refusal(&error.into()))?;
+    fem::box_mesh::check(size, cells).map_err(|error| mesh_exception(&error.into()))?;
     let (make, bytes): (MakeBox, f64) = match kind {
         "linear" => (fem::box_mesh::linear, LINEAR_CELL),
         "quadratic" => (fem::box_mesh::quadratic, QUADRATIC_CELL),
         "hexahedra" => (fem::box_mesh::hexahedra, HEXAHEDRON),
         "quadratic_hexahedra" => (quadratic_hexahedra, QUADRATIC_HEXAHEDRON),
         _ => {
-            let why = "known are linear, quadratic, hexahedra, quadratic_hexahedra";
-            return Err(refused(format!("there is no mesh of `{kind}`"), why, "name one"));
+            let kinds = "known are linear, quadratic, hexahedra, quadratic_hexahedra";
+            return Err(input_error(format!("there is no mesh of `{kind}`"), kinds, "name one"));
         }
     };
     let count: usize = cells.iter().product();
-    memory::require(&format!("a box of {count} cells"), bytes * count as f64)?;
-    let mesh = watched(py, move |_| Ok(make(size, cells)))?;
+    memory::require_free(&format!("a box of {count} cells"), bytes * count as f64)?;
+    let mesh = run_watched(py, move |_| Ok(make(size, cells)))?;
     let each = mesh.elements.nodes_each();
-    let all = (0..mesh.elements.len()).flat_map(|element| mesh.elements.nodes(element).to_vec());
-    let made = PyDict::new(py);
-    made.set_item("elements", PyArray1::from_vec(py, all.map(i64::from).collect()))?;
-    made.set_item("each", each)?;
-    made.set_item("nodes", array(py, mesh.nodes.into_flattened()))?;
-    Ok(made)
+    let node_numbers = (0..mesh.elements.len()).flat_map(|element| mesh.elements.nodes(element).to_vec());
+    let record = PyDict::new(py);
+    record.set_item("elements", PyArray1::from_vec(py, node_numbers.map(i64::from).collect()))?;
+    record.set_item("each", each)?;
+    record.set_item("nodes", numpy_array(py, mesh.nodes.into_flattened()))?;
+    Ok(record)
 }

@@ -7,8 +7,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use simulate::Loaded;
 
-use crate::arrays::{Reals, array, slice};
-use crate::errors::refused;
+use crate::arrays::{Reals, number_slice, numpy_array};
+use crate::errors::input_error;
 use crate::mesh::{Kinds, Mesh};
 
 /// Rows of node numbers.
@@ -19,7 +19,7 @@ type RegionState = (i64, Option<String>, usize, f64);
 type Parts = (Vec<u16>, Vec<u32>, Rows, Vec<RegionState>);
 
 fn damaged(cause: impl AsRef<str>) -> PyErr {
-    refused("the copy of a mesh cannot be read", cause, "make the mesh again")
+    input_error("the copy of a mesh cannot be read", cause, "make the mesh again")
 }
 
 #[pymethods]
@@ -34,7 +34,7 @@ impl Mesh {
         let region = |region: &Region| (region.tag, region.name.clone(), region.elements, region.volume);
         let regions = loaded.regions.iter().map(region).collect();
         let parts = (solid.regions.clone(), codes, solid.skin_rows(), regions);
-        Some((array(py, solid.nodes.as_flattened().to_vec()), elements, parts))
+        Some((numpy_array(py, solid.nodes.as_flattened().to_vec()), elements, parts))
     }
 
     /// The mesh of [`Mesh::solid_state`].
@@ -47,7 +47,7 @@ impl Mesh {
         let face = |(code, nodes): (u32, Vec<u32>)| QuadraticFace::from_row(&nodes, Skin::from_code(code)?);
         let skin: Option<Vec<QuadraticFace>> = codes.into_iter().zip(faces).map(face).collect();
         let solid = QuadraticMesh {
-            nodes: slice("nodes", &nodes)?.as_chunks::<3>().0.to_vec(),
+            nodes: number_slice("nodes", &nodes)?.as_chunks::<3>().0.to_vec(),
             elements: QuadraticElements::from_rows(&elements).ok_or_else(|| damaged("an element is no hexahedron"))?,
             regions: numbers,
             skin: skin.ok_or_else(|| damaged("a face of its skin lies nowhere"))?,

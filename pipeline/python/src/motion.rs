@@ -11,12 +11,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use simulate::{Budget, Watch};
 
-use crate::arrays::{Reals, array, check_length, scale_of, vector};
-use crate::errors::{Kind, of_diagnostic, raised, refused};
+use crate::arrays::{Reals, check_length, number_vector, numpy_array, scale_of};
+use crate::errors::{Kind, input_error, of_diagnostic, solve_exception};
 use crate::interrupt::Signals;
 use crate::memory;
 use crate::solver::Solver;
-use crate::statics::{by_region, scaled};
+use crate::statics::{by_region, scaled_array};
 
 /// Settings of an integration in time.
 #[derive(FromPyObject)]
@@ -51,8 +51,8 @@ impl Settings {
             "implicit_euler" => Scheme::ImplicitEuler,
             "quasi_static" => Scheme::QuasiStatic,
             other => {
-                let why = "known are bdf2, implicit_euler and quasi_static";
-                return Err(refused(format!("there is no scheme `{other}`"), why, "name one of them"));
+                let schemes = "known are bdf2, implicit_euler and quasi_static";
+                return Err(input_error(format!("there is no scheme `{other}`"), schemes, "name one of them"));
             }
         };
         let Self { step, mass_damping, stiffness_damping, tolerance, .. } = *self;
@@ -63,7 +63,7 @@ impl Settings {
 /// A recorded motion.
 #[pyclass(frozen, module = "softfish._core")]
 pub(crate) struct Trajectory {
-    made: Arc<fem::Trajectory>,
+    recorded: Arc<fem::Trajectory>,
 }
 
 /// States one after the other, and their times.
@@ -78,7 +78,7 @@ struct States {
 }
 
 impl States {
-    fn keep(&mut self, time: f64, state: &State, signals: &Signals) {
+    fn keep_state(&mut self, time: f64, state: &State, signals: &Signals) {
         if signals.is_raised() {
             return;
         }
@@ -104,33 +104,33 @@ impl States {
         }
         // both lists double, beside those that they replace
         let bytes = 2.0 * 2.0 * 8.0 * self.displacement.capacity() as f64;
-        memory::require(&format!("a motion of more than {} steps", self.times.len()), bytes)
+        memory::require_free(&format!("a motion of more than {} steps", self.times.len()), bytes)
     }
 
     /// The exception of a motion that ended here, which holds time and state.
-    fn lost(mut self, cause: SolveError, clock: &Watch) -> PyErr {
+    fn lost_motion(mut self, cause: SolveError, clock: &Watch) -> PyErr {
         let time = self.times.last().copied().unwrap_or_default();
         let error = of_diagnostic(&simulate::lost_step(cause, time, clock), Kind::Input);
         let full = self.displacement.len().checked_div(self.times.len()).unwrap_or_default();
         let last = self.displacement.split_off(self.displacement.len() - full);
-        let held = Python::attach(|py| -> PyResult<()> {
+        let attached = Python::attach(|py| -> PyResult<()> {
             error.value(py).setattr("time", time)?;
-            error.value(py).setattr("_displacement", array(py, last))
+            error.value(py).setattr("_displacement", numpy_array(py, last))
         });
-        held.err().unwrap_or(error)
+        attached.err().unwrap_or(error)
     }
 
     fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let made = PyDict::new(py);
-        made.set_item("times", array(py, self.times))?;
-        made.set_item("displacement", array(py, self.displacement))?;
-        made.set_item("velocity", array(py, self.velocity))?;
-        Ok(made)
+        let record = PyDict::new(py);
+        record.set_item("times", numpy_array(py, self.times))?;
+        record.set_item("displacement", numpy_array(py, self.displacement))?;
+        record.set_item("velocity", numpy_array(py, self.velocity))?;
+        Ok(record)
     }
 }
 
 /// The pressures of the step that ends at a time of `times`, which rise; `all` holds steps × chambers.
-fn history<'a>(times: &'a [f64], chambers: usize, all: &'a [f64]) -> impl Fn(f64) -> Vec<f64> + 'a {
+fn pressure_history<'a>(times: &'a [f64], chambers: usize, all: &'a [f64]) -> impl Fn(f64) -> Vec<f64> + 'a {
     move |time: f64| {
         let n = times.partition_point(|end| *end < time).min(times.len().saturating_sub(1));
         all.get(n * chambers..(n + 1) * chambers).unwrap_or_default().to_vec()
@@ -138,8 +138,8 @@ fn history<'a>(times: &'a [f64], chambers: usize, all: &'a [f64]) -> impl Fn(f64
 }
 
 fn initial_state((displacement, velocity): &(Reals<'_>, Reals<'_>)) -> PyResult<State> {
-    let displacement = vector("initial displacement", displacement)?;
-    Ok(State { displacement, velocity: vector("initial velocity", velocity)? })
+    let displacement = number_vector("initial displacement", displacement)?;
+    Ok(State { displacement, velocity: number_vector("initial velocity", velocity)? })
 }
 
 /// Bytes of a motion's displacement and velocity, and of the states that its gradient may keep.
@@ -163,28 +163,28 @@ impl Solver {
         let (settings, progress) = options;
         let (inputs, dynamic) = (self.inputs(inputs)?, settings.dynamic()?);
         let [_, nodes, _, chambers] = self.shared.counts();
-        let (initial, pressures) = (initial_state(&initial)?, vector("pressures", &pressures)?);
+        let (initial, pressures) = (initial_state(&initial)?, number_vector("pressures", &pressures)?);
         check_length("pressures", pressures.len(), planned * chambers)?;
-        memory::require(&format!("a motion of {planned} steps"), motion_bytes(planned, nodes, settings.memory))?;
+        memory::require_free(&format!("a motion of {planned} steps"), motion_bytes(planned, nodes, settings.memory))?;
         let (trajectory, states) = self.run(py, inputs, move |solver, signals| {
             let clock = settings.budget().watch(Some(signals.interrupt()));
             solver.set_interrupt(Some(clock.interrupt()));
             let times: Vec<f64> = (1..=planned).map(|n| n as f64 * dynamic.step).collect();
-            let at = history(&times, chambers, &pressures);
-            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &at };
+            let pressures_at = pressure_history(&times, chambers, &pressures);
+            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &pressures_at };
             let mut states = States { planned, progress, ..States::default() };
             let mut keep = |time: f64, state: &State| {
                 clock.restart();
-                states.keep(time, state, signals);
+                states.keep_state(time, state, signals);
             };
             match solver.record_observed(&problem, planned, settings.memory, &mut keep) {
                 Ok(trajectory) => Ok((trajectory, states)),
-                Err(cause) => Err(states.lost(cause, &clock)),
+                Err(cause) => Err(states.lost_motion(cause, &clock)),
             }
         })?;
-        let made = states.into_dict(py)?;
-        made.set_item("trajectory", Trajectory { made: Arc::new(trajectory) })?;
-        Ok(made)
+        let recorded = states.into_dict(py)?;
+        recorded.set_item("trajectory", Trajectory { recorded: Arc::new(trajectory) })?;
+        Ok(recorded)
     }
 
     /// Integrates a motion with adaptive steps (duration, tolerance in m, shortest, longest) under the pressures of the case, or under those
@@ -201,7 +201,7 @@ impl Solver {
         let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic()?, initial_state(&initial)?);
         check_length("pressures", constant.len(), self.shared.counts()[3])?;
         let shared = self.shared.clone();
-        let at = move |time: f64| -> Vec<f64> {
+        let pressures_at = move |time: f64| -> Vec<f64> {
             let case = shared.case.as_ref().map(|of| of.loads.pressures_at(time)).unwrap_or_default();
             let given = |(n, constant): (usize, &Option<f64>)| constant.or(case.get(n).copied()).unwrap_or_default();
             constant.iter().enumerate().map(given).collect()
@@ -209,21 +209,21 @@ impl Solver {
         let (pressures, states) = self.run(py, inputs, move |solver, signals| {
             let clock = settings.budget().watch(Some(signals.interrupt()));
             solver.set_interrupt(Some(clock.interrupt()));
-            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &at };
+            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &pressures_at };
             let control = StepControl { tolerance, shortest, longest };
             let mut states = States { progress, ..States::default() };
             let mut keep = |time: f64, state: &State| {
                 clock.restart();
-                states.keep(time, state, signals);
+                states.keep_state(time, state, signals);
             };
             match solver.integrate_adaptive(&problem, &control, duration, &mut keep) {
-                Ok(_) => Ok((states.times.iter().flat_map(|&time| at(time)).collect::<Vec<f64>>(), states)),
-                Err(cause) => Err(states.lost(cause, &clock)),
+                Ok(_) => Ok((states.times.iter().flat_map(|&time| pressures_at(time)).collect::<Vec<f64>>(), states)),
+                Err(cause) => Err(states.lost_motion(cause, &clock)),
             }
         })?;
-        let made = states.into_dict(py)?;
-        made.set_item("pressures", array(py, pressures))?;
-        Ok(made)
+        let record = states.into_dict(py)?;
+        record.set_item("pressures", numpy_array(py, pressures))?;
+        Ok(record)
     }
 
     /// The trajectory of a motion at given `times` (s, of each step's end), as its gradient needs it.
@@ -236,14 +236,14 @@ impl Solver {
     ) -> PyResult<Trajectory> {
         let (initial, pressures, times) = problem;
         let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic()?, initial_state(&initial)?);
-        let (pressures, chambers) = (vector("pressures", &pressures)?, self.shared.counts()[3]);
+        let (pressures, chambers) = (number_vector("pressures", &pressures)?, self.shared.counts()[3]);
         let trajectory = self.run(py, inputs, move |solver, _| {
-            let at = history(&times, chambers, &pressures);
-            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &at };
+            let pressures_at = pressure_history(&times, chambers, &pressures);
+            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &pressures_at };
             let from_rest = std::iter::once(0.0).chain(times.iter().copied()).collect();
-            solver.record_at(&problem, from_rest, settings.memory).map_err(raised)
+            solver.record_at(&problem, from_rest, settings.memory).map_err(solve_exception)
         })?;
-        Ok(Trajectory { made: Arc::new(trajectory) })
+        Ok(Trajectory { recorded: Arc::new(trajectory) })
     }
 
     /// The gradient of a loss of a recorded motion from its derivatives by displacement and velocity after each step
@@ -257,19 +257,20 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (by_displacement, by_velocity) = slopes;
         let inputs = self.inputs(inputs)?;
-        let (mut by_u, mut by_v) = (vector("dloss_du", &by_displacement)?, vector("dloss_dv", &by_velocity)?);
+        let (mut by_u, mut by_v) =
+            (number_vector("dloss_du", &by_displacement)?, number_vector("dloss_dv", &by_velocity)?);
         let scale = scale_of(by_u.iter().chain(&by_v));
         by_u.iter_mut().chain(&mut by_v).for_each(|entry| *entry /= scale);
         let full = 3 * self.shared.counts()[1];
-        let made = trajectory.made.clone();
+        let recorded = trajectory.recorded.clone();
         let gradient = self.run(py, inputs, move |solver, _| {
-            check_length("dloss_du", by_u.len(), full * made.steps())?;
+            check_length("dloss_du", by_u.len(), full * recorded.steps())?;
             let part = |all: &[f64], n: usize| all.get(full * (n - 1)..full * n).unwrap_or_default().to_vec();
             let mut loss = |n: usize, _: &State| match n {
                 0 => LossGradient::default(),
                 _ => LossGradient { displacement: part(&by_u, n), velocity: part(&by_v, n) },
             };
-            solver.trajectory_adjoint(&made, &mut loss).map_err(raised)
+            solver.trajectory_adjoint(&recorded, &mut loss).map_err(solve_exception)
         })?;
         of_motion(py, gradient, scale)
     }
@@ -285,41 +286,41 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let inputs = self.inputs(inputs)?;
         let (moduli, ratios, densities, gains) = direction;
-        let mut along: Vec<(Parameter, f64)> = Vec::new();
+        let mut parts_of_direction: Vec<(Parameter, f64)> = Vec::new();
         let kinds = [Parameter::YoungsModulus, Parameter::PoissonsRatio, Parameter::Density, Parameter::PressureGain];
         for (parts, parameter) in [moduli, ratios, densities, gains].iter().zip(kinds) {
-            along.extend(
+            parts_of_direction.extend(
                 parts.iter().enumerate().filter(|(_, part)| **part != 0.0).map(|(at, part)| (parameter(at), *part)),
             );
         }
         let full = 3 * self.shared.counts()[1];
-        let made = trajectory.made.clone();
+        let recorded = trajectory.recorded.clone();
         let changed = self.run(py, inputs, move |solver, _| {
-            let mut all = vec![0.0; full * made.steps()];
-            let parameters: Vec<Parameter> = along.iter().map(|(parameter, _)| *parameter).collect();
+            let mut sums_of_steps = vec![0.0; full * recorded.steps()];
+            let parameters: Vec<Parameter> = parts_of_direction.iter().map(|(parameter, _)| *parameter).collect();
             let mut observe = |n: usize, states: &[&State]| {
-                for (state, (_, part)) in states.iter().zip(&along).filter(|_| n > 0) {
-                    let sums = all[full * (n - 1)..full * n].iter_mut();
+                for (state, (_, part)) in states.iter().zip(&parts_of_direction).filter(|_| n > 0) {
+                    let sums = sums_of_steps[full * (n - 1)..full * n].iter_mut();
                     sums.zip(&state.displacement).for_each(|(sum, u)| *sum += part * u);
                 }
             };
-            solver.trajectory_sensitivity(&made, &parameters, &mut observe).map_err(raised)?;
-            Ok(all)
+            solver.trajectory_sensitivity(&recorded, &parameters, &mut observe).map_err(solve_exception)?;
+            Ok(sums_of_steps)
         })?;
-        Ok(array(py, changed))
+        Ok(numpy_array(py, changed))
     }
 }
 
 /// So many times a gradient.
 fn of_motion<'py>(py: Python<'py>, gradient: MotionGradient, scale: f64) -> PyResult<Bound<'py, PyDict>> {
-    let made = PyDict::new(py);
-    by_region(&made, &gradient.regions, scale)?;
-    made.set_item("factors", scaled(py, gradient.elements, scale))?;
-    made.set_item("pressures", scaled(py, gradient.pressures.into_iter().flatten().collect(), scale))?;
-    made.set_item("forces", scaled(py, gradient.forces, scale))?;
-    made.set_item("mass_damping", scale * gradient.mass_damping)?;
-    made.set_item("stiffness_damping", scale * gradient.stiffness_damping)?;
-    made.set_item("initial_displacement", scaled(py, gradient.initial.displacement, scale))?;
-    made.set_item("initial_velocity", scaled(py, gradient.initial.velocity, scale))?;
-    Ok(made)
+    let record = PyDict::new(py);
+    by_region(&record, &gradient.regions, scale)?;
+    record.set_item("factors", scaled_array(py, gradient.elements, scale))?;
+    record.set_item("pressures", scaled_array(py, gradient.pressures.into_iter().flatten().collect(), scale))?;
+    record.set_item("forces", scaled_array(py, gradient.forces, scale))?;
+    record.set_item("mass_damping", scale * gradient.mass_damping)?;
+    record.set_item("stiffness_damping", scale * gradient.stiffness_damping)?;
+    record.set_item("initial_displacement", scaled_array(py, gradient.initial.displacement, scale))?;
+    record.set_item("initial_velocity", scaled_array(py, gradient.initial.velocity, scale))?;
+    Ok(record)
 }

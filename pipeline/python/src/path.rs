@@ -5,9 +5,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use simulate::{CriticalKind, DofMap, Exceeded, FollowedPath, PathEvent};
 
-use crate::arrays::array;
-use crate::case::refusal;
-use crate::errors::{Kind, exception, refused};
+use crate::arrays::numpy_array;
+use crate::case::case_exception;
+use crate::errors::{Kind, input_error, typed_exception};
 use crate::solver::{OfCase, Solver};
 
 /// A path as it is found.
@@ -41,27 +41,27 @@ impl Found {
     }
 
     fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let made = PyDict::new(py);
-        made.set_item("levels", array(py, self.levels))?;
-        made.set_item("displacement", array(py, self.displacement))?;
-        made.set_item("negative_eigenvalues", PyArray1::from_vec(py, self.negative_eigenvalues))?;
-        made.set_item("eigenvalues", array(py, self.eigenvalues))?;
-        made.set_item("iterations", PyArray1::from_vec(py, self.iterations))?;
+        let record = PyDict::new(py);
+        record.set_item("levels", numpy_array(py, self.levels))?;
+        record.set_item("displacement", numpy_array(py, self.displacement))?;
+        record.set_item("negative_eigenvalues", PyArray1::from_vec(py, self.negative_eigenvalues))?;
+        record.set_item("eigenvalues", numpy_array(py, self.eigenvalues))?;
+        record.set_item("iterations", PyArray1::from_vec(py, self.iterations))?;
         let critical = PyList::empty(py);
         for (limit, level, [displacement, mode]) in self.critical {
-            critical.append((limit, level, array(py, displacement), array(py, mode)))?;
+            critical.append((limit, level, numpy_array(py, displacement), numpy_array(py, mode)))?;
         }
-        made.set_item("critical", critical)?;
-        Ok(made)
+        record.set_item("critical", critical)?;
+        Ok(record)
     }
 }
 
-fn ended(limit: Exceeded, levels: &[f64]) -> PyErr {
+fn exceeded_exception(limit: Exceeded, levels: &[f64]) -> PyErr {
     let reached = levels.last().copied().unwrap_or_default();
-    let why = format!("{limit}; the last point lies at level {reached:.6}");
-    exception(
+    let reason = format!("{limit}; the last point lies at level {reached:.6}");
+    typed_exception(
         Kind::Budget,
-        ["the path does not reach its last level", &why, "raise the limit, or end at a lower level"],
+        ["the path does not reach its last level", &reason, "raise the limit, or end at a lower level"],
     )
 }
 
@@ -78,21 +78,23 @@ impl Solver {
         let (inputs, shared) = (self.inputs(inputs)?, self.shared.clone());
         let (max_iterations, timeout) = budget;
         let budget = simulate::Budget { max_iterations, timeout, max_cutbacks: None };
-        let found = self.run_held(py, move |_, signals| {
-            let none = || refused("the case follows no path", "it has no [static] with arc_length", "add arc_length");
+        let followed_points = self.run_held(py, move |_, signals| {
+            let none =
+                || input_error("the case follows no path", "it has no [static] with arc_length", "add arc_length");
             let OfCase { case, loads, .. } = shared.case.as_ref().ok_or_else(none)?;
             let statics = case.statics.as_ref().filter(|set| set.arc_length.is_some()).ok_or_else(none)?;
             let watch = budget.watch(Some(signals.interrupt()));
             let followed = FollowedPath { statics, loads, heavy: inputs.is_heavy(), watch: watch.clone() };
-            let mut found = Found::default();
+            let mut followed_points = Found::default();
             let solver = || shared.another(&inputs);
-            let outcome = followed.follow(&shared.system, &solver, &mut |event, dofs| found.observe(&event, dofs));
+            let outcome =
+                followed.follow(&shared.system, &solver, &mut |event, dofs| followed_points.observe(&event, dofs));
             match (outcome, watch.exceeded()) {
-                (Ok(()), _) => Ok(found),
-                (Err(_), Some(limit)) => Err(ended(limit, &found.levels)),
-                (Err(diagnostic), None) => Err(refusal(&diagnostic)),
+                (Ok(()), _) => Ok(followed_points),
+                (Err(_), Some(limit)) => Err(exceeded_exception(limit, &followed_points.levels)),
+                (Err(diagnostic), None) => Err(case_exception(&diagnostic)),
             }
         })?;
-        found.into_dict(py)
+        followed_points.into_dict(py)
     }
 }

@@ -12,9 +12,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use simulate::{NamedRange, TrainingBox, train_reduced};
 
-use crate::arrays::{Reals, array, slice, vector};
-use crate::errors::{Kind, of_diagnostic, raised, refused};
-use crate::interrupt::{guarded, watched};
+use crate::arrays::{Reals, number_slice, number_vector, numpy_array};
+use crate::errors::{Kind, input_error, of_diagnostic, solve_exception};
+use crate::interrupt::{run_guarded, run_watched};
 use crate::memory;
 use crate::motion::Settings;
 use crate::solver::{Shared, Solver};
@@ -41,11 +41,11 @@ impl ReducedModel {
     ) -> PyResult<(ReducedSolver, ReducedEquilibrium)> {
         let mut solver = ReducedSolver::new(Arc::clone(&self.model), self.regions.clone());
         for (region, (youngs_modulus, poissons_ratio)) in constants.iter().enumerate() {
-            solver.set_elastic(region, *youngs_modulus, *poissons_ratio).map_err(raised)?;
+            solver.set_elastic(region, *youngs_modulus, *poissons_ratio).map_err(solve_exception)?;
         }
         let start: DVector<f64> = start.into();
-        let found = solver.equilibrium_near(pressures, &start, &start).map_err(raised)?;
-        Ok((solver, found))
+        let equilibrium = solver.equilibrium_near(pressures, &start, &start).map_err(solve_exception)?;
+        Ok((solver, equilibrium))
     }
 }
 
@@ -75,13 +75,13 @@ impl Given {
 type Pair<'py> = (Reals<'py>, Reals<'py>);
 type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
-fn state((coordinates, velocity): &Pair<'_>) -> PyResult<ReducedState> {
-    let (coordinates, velocity) = (vector("coordinates", coordinates)?, vector("velocity", velocity)?);
+fn reduced_state((coordinates, velocity): &Pair<'_>) -> PyResult<ReducedState> {
+    let (coordinates, velocity) = (number_vector("coordinates", coordinates)?, number_vector("velocity", velocity)?);
     Ok(ReducedState { coordinates: coordinates.into(), velocity: velocity.into() })
 }
 
-fn pair<'py>(py: Python<'py>, state: ReducedState) -> Arrays<'py> {
-    (array(py, state.coordinates.data.into()), array(py, state.velocity.data.into()))
+fn state_arrays<'py>(py: Python<'py>, state: ReducedState) -> Arrays<'py> {
+    (numpy_array(py, state.coordinates.data.into()), numpy_array(py, state.velocity.data.into()))
 }
 
 /// Bytes of the training matrix: the work of each quadrature point of a region along each mode, at each snapshot and perturbation, single.
@@ -104,14 +104,14 @@ impl Solver {
         coordinates: usize,
         tolerance: f64,
     ) -> PyResult<ReducedModel> {
-        let all = vector("snapshots", &snapshots)?;
+        let displacements = number_vector("snapshots", &snapshots)?;
         let settings = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
         let (shared, full) = (self.shared.clone(), 3 * self.shared.counts()[1]);
-        memory::require("the reduction", training_bytes(&shared, all.len() / full, coordinates))?;
-        watched(py, move |_| {
+        memory::require_free("the reduction", training_bytes(&shared, displacements.len() / full, coordinates))?;
+        run_watched(py, move |_| {
             // length: Python hands over whole snapshots
-            let each: Vec<&[f64]> = all.chunks_exact(full).collect();
-            Ok(ReducedModel::new(shared.system.reduce(&each, &settings).map_err(raised)?, &shared.system))
+            let each: Vec<&[f64]> = displacements.chunks_exact(full).collect();
+            Ok(ReducedModel::new(shared.system.reduce(&each, &settings).map_err(solve_exception)?, &shared.system))
         })
     }
 
@@ -136,7 +136,7 @@ impl Solver {
             tolerance,
             most,
         };
-        watched(py, move |_| {
+        run_watched(py, move |_| {
             let settings = StaticSettings { tolerance: statics, ..StaticSettings::default() };
             let trained = train_reduced(&shared.system, &space, settings, &|_| ());
             let trained = trained.map_err(|e| of_diagnostic(&e, Kind::Convergence))?;
@@ -154,11 +154,13 @@ impl Solver {
         size: f64,
     ) -> PyResult<ReducedModel> {
         let rows = 3 * self.shared.counts()[1];
-        let modes = slice("modes", &modes)?.chunks_exact(rows).map(<[f64]>::to_vec).collect();
+        let modes = number_slice("modes", &modes)?.chunks_exact(rows).map(<[f64]>::to_vec).collect();
         let points = points.into_iter().map(|(numbers, weights)| numbers.into_iter().zip(weights).collect()).collect();
         let data = ReducedModelData { modes, points, size };
         let shared = self.shared.clone();
-        watched(py, move |_| Ok(ReducedModel::new(shared.system.restore(&data).map_err(raised)?, &shared.system)))
+        run_watched(py, move |_| {
+            Ok(ReducedModel::new(shared.system.restore(&data).map_err(solve_exception)?, &shared.system))
+        })
     }
 }
 
@@ -172,32 +174,32 @@ impl ReducedModel {
     /// Modes (one after the other, 3 entries per node), sampled points and weights by region, and size.
     fn data<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let ReducedModelData { modes, points, size } = self.model.data();
-        let made = PyDict::new(py);
-        made.set_item("modes", array(py, modes.into_iter().flatten().collect()))?;
+        let record = PyDict::new(py);
+        record.set_item("modes", numpy_array(py, modes.into_iter().flatten().collect()))?;
         let lists = points.into_iter().map(|region| region.into_iter().unzip::<u32, f64, Vec<_>, Vec<_>>());
-        made.set_item("points", lists.collect::<Vec<_>>())?;
-        made.set_item("size", size)?;
-        Ok(made)
+        record.set_item("points", lists.collect::<Vec<_>>())?;
+        record.set_item("size", size)?;
+        Ok(record)
     }
 
     /// Displacement V q, 3 entries per node, m.
     fn displacement<'py>(&self, py: Python<'py>, coordinates: Reals<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let q = vector("coordinates", &coordinates)?;
+        let q = number_vector("coordinates", &coordinates)?;
         if q.len() != self.model.coordinates() {
-            let why = format!("this model has {}", self.model.coordinates());
-            return Err(refused(
+            let reason = format!("this model has {}", self.model.coordinates());
+            return Err(input_error(
                 format!("{} coordinates are given", q.len()),
-                why,
+                reason,
                 "pass the coordinates of its state",
             ));
         }
-        guarded(|| Ok(array(py, self.model.displacement(&q.into()))))
+        run_guarded(|| Ok(numpy_array(py, self.model.displacement(&q.into()))))
     }
 
     /// Volume of a chamber, m³; of a half model, of the half.
     fn chamber_volume(&self, coordinates: Reals<'_>, chamber: usize) -> PyResult<f64> {
-        let q = vector("coordinates", &coordinates)?;
-        guarded(|| Ok(self.model.chamber_volume(chamber, &q.into())))
+        let q = number_vector("coordinates", &coordinates)?;
+        run_guarded(|| Ok(self.model.chamber_volume(chamber, &q.into())))
     }
 
     /// The state after a step of implicit Euler.
@@ -207,11 +209,12 @@ impl ReducedModel {
         before: Pair<'py>,
         given: (Settings, Vec<f64>, Vec<f64>),
     ) -> PyResult<Arrays<'py>> {
-        let (before, given) = (state(&before)?, Given::of(given)?);
+        let (before, given) = (reduced_state(&before)?, Given::of(given)?);
         // Steps take microseconds: a thread for each would cost as much.
-        let step = || guarded(|| in_this_process(|| self.model.step(&before, &given.step()).map_err(raised)));
-        let after = py.detach(step)?;
-        Ok(pair(py, after))
+        let step =
+            || run_guarded(|| in_this_process(|| self.model.step(&before, &given.step()).map_err(solve_exception)));
+        let state_after = py.detach(step)?;
+        Ok(state_arrays(py, state_after))
     }
 
     /// The coordinates of an equilibrium.
@@ -221,9 +224,9 @@ impl ReducedModel {
         start: Reals<'py>,
         given: Constants,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let start = vector("coordinates", &start)?;
-        let (_, found) = py.detach(|| guarded(|| in_this_process(|| self.equilibrium_near(start, &given))))?;
-        Ok(array(py, found.coordinates.data.into()))
+        let start = number_vector("coordinates", &start)?;
+        let (_, found) = py.detach(|| run_guarded(|| in_this_process(|| self.equilibrium_near(start, &given))))?;
+        Ok(numpy_array(py, found.coordinates.data.into()))
     }
 
     /// The gradient of a loss of the coordinates of an equilibrium: by pressures, and by E and ν of each region.
@@ -234,18 +237,18 @@ impl ReducedModel {
         given: Constants,
         loss: Reals<'_>,
     ) -> PyResult<(Vec<f64>, Vec<f64>, Vec<f64>)> {
-        let (coordinates, loss) = (vector("coordinates", &coordinates)?, vector("loss", &loss)?);
+        let (coordinates, loss) = (number_vector("coordinates", &coordinates)?, number_vector("loss", &loss)?);
         let regions = self.regions.len();
         let gradient = || {
             let (solver, found) = self.equilibrium_near(coordinates, &given)?;
             let loss: DVector<f64> = loss.into();
-            let by = |of: fn(usize) -> Parameter| {
-                solver.adjoint(&found, &loss, &(0..regions).map(of).collect::<Vec<_>>()).map_err(raised)
+            let gradient_by = |of: fn(usize) -> Parameter| {
+                solver.adjoint(&found, &loss, &(0..regions).map(of).collect::<Vec<_>>()).map_err(solve_exception)
             };
-            let moduli = by(Parameter::YoungsModulus)?;
-            Ok((solver.pressure_gradient(&found, &loss), moduli, by(Parameter::PoissonsRatio)?))
+            let moduli = gradient_by(Parameter::YoungsModulus)?;
+            Ok((solver.pressure_gradient(&found, &loss), moduli, gradient_by(Parameter::PoissonsRatio)?))
         };
-        py.detach(|| guarded(|| in_this_process(gradient)))
+        py.detach(|| run_guarded(|| in_this_process(gradient)))
     }
 
     /// The gradient of a loss of the state after a step, from its derivatives: by coordinates, velocity, pressures and
@@ -258,9 +261,10 @@ impl ReducedModel {
         loss: Pair<'py>,
     ) -> PyResult<(Arrays<'py>, Vec<f64>, Vec<f64>)> {
         let (before, after) = states;
-        let (before, after, loss, given) = (state(&before)?, state(&after)?, state(&loss)?, Given::of(given)?);
-        let gradient = || self.model.step_gradient((&before, &after), &given.step(), &loss).map_err(raised);
-        let found = py.detach(|| guarded(|| in_this_process(gradient)))?;
-        Ok((pair(py, found.state), found.pressures, found.modulus_scale))
+        let (before, after, loss, given) =
+            (reduced_state(&before)?, reduced_state(&after)?, reduced_state(&loss)?, Given::of(given)?);
+        let gradient = || self.model.step_gradient((&before, &after), &given.step(), &loss).map_err(solve_exception);
+        let gradients = py.detach(|| run_guarded(|| in_this_process(gradient)))?;
+        Ok((state_arrays(py, gradients.state), gradients.pressures, gradients.modulus_scale))
     }
 }

@@ -9,11 +9,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use simulate::{Body, Loaded, Loads};
 
-use crate::arrays::array;
-use crate::case::{Case, refusal};
-use crate::errors::{Kind, exception, of_diagnostic, raised, refused};
+use crate::arrays::numpy_array;
+use crate::case::{Case, case_exception};
+use crate::errors::{Kind, input_error, of_diagnostic, solve_exception, typed_exception};
 use crate::inputs::Inputs;
-use crate::interrupt::{Signals, watched, watched_by};
+use crate::interrupt::{Signals, run_watched, run_watched_by};
 use crate::memory;
 use crate::mesh::{Kinds, Mesh};
 use crate::threads::OwnThreads;
@@ -28,8 +28,8 @@ impl Held {
     /// Sets the inputs of the next solve.
     pub(crate) fn apply(&mut self, inputs: &Inputs) -> PyResult<()> {
         // Where one is refused, those before it are set: nothing is then known of the solver.
-        let before = self.applied.take();
-        let set = inputs.set(before.as_ref(), &mut self.solver);
+        let applied = self.applied.take();
+        let set = inputs.set(applied.as_ref(), &mut self.solver);
         set.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))?;
         self.applied = Some(inputs.clone());
         Ok(())
@@ -82,19 +82,19 @@ struct Materials {
 
 impl Materials {
     fn properties(&self) -> PyResult<Vec<RegionProperties>> {
-        let of = |(region, name): (usize, &String)| {
-            let known: Vec<&str> = fem::materials::ALL.iter().map(|law| law.name()).collect();
+        let properties_of = |(region, name): (usize, &String)| {
+            let names: Vec<&str> = fem::materials::ALL.iter().map(|law| law.name()).collect();
             let law = fem::materials::by_name(name).ok_or_else(|| {
-                refused(
+                input_error(
                     format!("there is no material `{name}`"),
-                    format!("known are {}", known.join(", ")),
+                    format!("known are {}", names.join(", ")),
                     "name one of them",
                 )
             })?;
             let (modulus, ratio) = (self.youngs_modulus[region], self.poissons_ratio[region]);
             Ok(RegionProperties::elastic(law, modulus, ratio, self.density[region]))
         };
-        self.law.iter().enumerate().map(of).collect()
+        self.law.iter().enumerate().map(properties_of).collect()
     }
 }
 
@@ -112,9 +112,9 @@ impl Shared {
                 Ok(self.held.lock().unwrap_or_else(PoisonError::into_inner))
             }
             Err(TryLockError::WouldBlock) => {
-                let why = "a solver keeps one factor, and solves one problem at a time";
-                let what = "another thread is in a solve of this solver";
-                Err(exception(Kind::Busy, [what, why, "make a solver for each thread"]))
+                let reason = "a solver keeps one factor, and solves one problem at a time";
+                let message = "another thread is in a solve of this solver";
+                Err(typed_exception(Kind::Busy, [message, reason, "make a solver for each thread"]))
             }
         }
     }
@@ -202,7 +202,7 @@ impl Solver {
     ) -> PyResult<T> {
         let shared = self.shared.clone();
         let signals = Signals::default();
-        let outcome = watched_by(py, &signals, move |signals| shared.solve(signals, solve));
+        let outcome = run_watched_by(py, &signals, move |signals| shared.solve(signals, solve));
         self.shared.abandoned.fetch_or(signals.is_left(), Ordering::Relaxed);
         outcome
     }
@@ -218,16 +218,16 @@ impl Solver {
     #[staticmethod]
     fn of_case(py: Python<'_>, case: &Case, mesh: &Mesh, threads: Option<usize>) -> PyResult<Self> {
         let (folder, case, kinds) = (case.folder(), case.case.clone(), mesh.kinds.clone());
-        watched(py, move |_| match &*kinds {
+        run_watched(py, move |_| match &*kinds {
             Kinds::Tetrahedra(loaded) => {
                 // A mesh that was given has no tables: they are the case's.
-                let tables = simulate::tables(&case, &folder).map_err(|diagnostic| refusal(&diagnostic))?;
+                let tables = simulate::tables(&case, &folder).map_err(|diagnostic| case_exception(&diagnostic))?;
                 of_case(case, &Loaded { tables, ..loaded.clone() }, threads)
             }
             Kinds::Hexahedra(_) => {
-                let why = "places of a case are found on a skin of triangles";
+                let reason = "places of a case are found on a skin of triangles";
                 let act = "make the solver of the mesh: Solver.of_mesh";
-                Err(refused("a case cannot use a mesh of hexahedra", why, act))
+                Err(input_error("a case cannot use a mesh of hexahedra", reason, act))
             }
         })
     }
@@ -246,15 +246,15 @@ impl Solver {
         let options = Options { lumped_mass, mean_dilatation, ..Options::default() };
         let mut clamps = Clamps::none();
         let contiguous =
-            |_| refused("clamped is not contiguous", "its rows do not lie one after the other", "pass a copy");
+            |_| input_error("clamped is not contiguous", "its rows do not lie one after the other", "pass a copy");
         for (node, axes) in clamped.as_slice().map_err(contiguous)?.as_chunks::<3>().0.iter().enumerate() {
             if axes.contains(&true) {
                 clamps.constrain(node as u32, *axes);
             }
         }
         let mesh = mesh.clone();
-        watched(py, move |_| {
-            let system = System::with(mesh.fem_mesh(), regions, clamps, options).map_err(raised)?;
+        run_watched(py, move |_| {
+            let system = System::with(mesh.fem_mesh(), regions, clamps, options).map_err(solve_exception)?;
             check_memory(&system)?;
             let solver = system.solver();
             Self::new(system, solver, None, threads)
@@ -279,8 +279,8 @@ impl Solver {
 
     /// Properties of the regions as the body was made: law, E (Pa), ν, ρ (kg/m³).
     fn properties(&self) -> Vec<(&'static str, f64, f64, f64)> {
-        let of = |is: &RegionProperties| (is.material.name(), is.youngs_modulus, is.poissons_ratio, is.density);
-        self.shared.system.regions().iter().map(of).collect()
+        let facts = |is: &RegionProperties| (is.material.name(), is.youngs_modulus, is.poissons_ratio, is.density);
+        self.shared.system.regions().iter().map(facts).collect()
     }
 
     /// Region of each element.
@@ -293,8 +293,8 @@ impl Solver {
     fn case_data<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(of) = &self.shared.case else { return Ok(None) };
         let data = PyDict::new(py);
-        data.set_item("forces", array(py, of.loads.forces.clone()))?;
-        data.set_item("gravity", array(py, of.case.gravity.to_vec()))?;
+        data.set_item("forces", numpy_array(py, of.loads.forces.clone()))?;
+        data.set_item("gravity", numpy_array(py, of.case.gravity.to_vec()))?;
         let names = of.case.chamber.iter().zip(&of.numbers).enumerate();
         let named =
             names.map(|(i, (chamber, &number))| (chamber.name.clone().unwrap_or(format!("chamber_{i}")), number));
@@ -302,7 +302,7 @@ impl Solver {
         let points = PyList::empty(py);
         for probe in &of.probes {
             let (nodes, weights): (Vec<i64>, Vec<f64>) = probe.weights.iter().map(|&(n, w)| (i64::from(n), w)).unzip();
-            points.append((&probe.name, PyArray1::from_vec(py, nodes), array(py, weights)))?;
+            points.append((&probe.name, PyArray1::from_vec(py, nodes), numpy_array(py, weights)))?;
         }
         data.set_item("points", points)?;
         data.set_item("notes", &of.notes)?;
@@ -311,7 +311,7 @@ impl Solver {
             data.set_item("load_steps", set.load_steps)?;
             data.set_item("tolerance", set.tolerance)?;
             data.set_item("follows_path", set.arc_length.is_some())?;
-            data.set_item("budget", budget(set.budget()))?;
+            data.set_item("budget", budget_limits(set.budget()))?;
         }
         if let Some(set) = &of.case.dynamic {
             let dynamic = PyDict::new(py);
@@ -322,7 +322,7 @@ impl Solver {
             dynamic.set_item("stiffness_damping", set.stiffness_damping)?;
             dynamic.set_item("adaptive", set.adaptive.map(|of| (of.tolerance, of.shortest, of.longest)))?;
             dynamic.set_item("starts_at_rest", set.start == simulate::case::Start::Rest)?;
-            data.set_item("budget", budget(set.budget()))?;
+            data.set_item("budget", budget_limits(set.budget()))?;
             data.set_item("dynamic", dynamic)?;
         }
         Ok(Some(data))
@@ -332,25 +332,25 @@ impl Solver {
     fn case_pressures<'py>(&self, py: Python<'py>, times: Vec<f64>, level: Option<f64>) -> Bound<'py, PyArray1<f64>> {
         let none = vec![0.0; self.shared.counts()[3]];
         let case = self.shared.case.as_ref();
-        let all = match level {
+        let pressures = match level {
             Some(level) => case.map_or(none, |of| of.loads.pressures_at_level(level)),
             None => times.iter().flat_map(|&t| case.map_or(none.clone(), |of| of.loads.pressures_at(t))).collect(),
         };
-        array(py, all)
+        numpy_array(py, pressures)
     }
 }
 
 /// Limits as Python has them: iterations, cut-backs and seconds.
 type Limits = (Option<usize>, Option<usize>, Option<f64>);
 
-fn budget(of: simulate::Budget) -> Limits {
+fn budget_limits(of: simulate::Budget) -> Limits {
     (of.max_iterations, of.max_cutbacks, of.timeout)
 }
 
 /// The factor of the tangent is the largest part of a solver; it is counted twice, with what is kept beside it.
 fn check_memory(system: &System) -> PyResult<()> {
     let (tangent, factor) = system.entries();
-    memory::require(
+    memory::require_free(
         &format!("a solver of {} degrees of freedom", system.dofs()),
         8.0 * (2.0 * factor as f64 + 3.0 * tangent as f64),
     )
@@ -358,13 +358,16 @@ fn check_memory(system: &System) -> PyResult<()> {
 
 fn of_case(case: Arc<simulate::case::Case>, loaded: &Loaded, threads: Option<usize>) -> PyResult<Solver> {
     if loaded.solid.half() && case.gravity[2] != 0.0 {
-        let why = "gravity along z breaks the symmetry about z = 0";
-        return Err(exception(Kind::Case, ["gravity on a half model has a part along z", why, "mesh the whole body"]));
+        let reason = "gravity along z breaks the symmetry about z = 0";
+        return Err(typed_exception(
+            Kind::Case,
+            ["gravity on a half model has a part along z", reason, "mesh the whole body"],
+        ));
     }
-    let body = Body::new(&case, loaded).map_err(|diagnostic| refusal(&diagnostic))?;
+    let body = Body::new(&case, loaded).map_err(|diagnostic| case_exception(&diagnostic))?;
     check_memory(&body.system)?;
-    let solver = body.solver(&case).map_err(|diagnostic| refusal(&diagnostic))?;
-    let probes = simulate::probes(&case, &body).map_err(|diagnostic| refusal(&diagnostic))?;
+    let solver = body.solver(&case).map_err(|diagnostic| case_exception(&diagnostic))?;
+    let probes = simulate::probes(&case, &body).map_err(|diagnostic| case_exception(&diagnostic))?;
     let notes = loaded.notes.iter().chain(&body.notes).cloned().collect();
     let loads = body.loads(&case);
     let Body { system, numbers, .. } = body;

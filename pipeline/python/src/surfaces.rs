@@ -5,9 +5,9 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Reals, array, node_numbers, slice};
-use crate::errors::{Kind, of_diagnostic, refused};
-use crate::interrupt::watched;
+use crate::arrays::{Reals, node_numbers, number_slice, numpy_array};
+use crate::errors::{Kind, input_error, of_diagnostic};
+use crate::interrupt::run_watched;
 use diagnostics::Diagnostic;
 
 /// Corners, 3 numbers each, m, and three corner numbers a face.
@@ -15,11 +15,11 @@ type Triangles<'py> = (Reals<'py>, Vec<i64>);
 
 fn surface((points, faces): &Triangles<'_>) -> PyResult<Surface> {
     // length: Python hands over points × 3 and faces × 3
-    let points: Vec<[f64; 3]> = slice("points", points)?.as_chunks().0.to_vec();
+    let points: Vec<[f64; 3]> = number_slice("points", points)?.as_chunks().0.to_vec();
     let faces: Vec<[u32; 3]> = node_numbers(faces)?.as_chunks().0.to_vec();
     if let Some(face) = faces.iter().position(|face| face.iter().any(|corner| *corner as usize >= points.len())) {
         let what = format!("face {face} names a corner that there is not");
-        return Err(refused(what, format!("there are {} points", points.len()), "check the faces"));
+        return Err(input_error(what, format!("there are {} points", points.len()), "check the faces"));
     }
     Ok(Surface { points, faces })
 }
@@ -40,25 +40,25 @@ pub(crate) fn mesh_surfaces<'py>(
     let body = surface(&parts.0)?;
     let inserts = parts.1.iter().map(surface).collect::<PyResult<Vec<_>>>()?;
     let cavities = parts.2.iter().map(surface).collect::<PyResult<Vec<_>>>()?;
-    let chosen = watched(py, move |_| {
+    let chosen = run_watched(py, move |_| {
         let assembly = Assembly { body: &body, inserts: inserts.iter().collect(), cavities: cavities.iter().collect() };
         let settings = Settings { method, use_symmetry: false, ..Settings::new(edge) };
         mesh_assembly(&assembly, &settings, &|_| ()).map_err(|e| of_diagnostic(&Diagnostic::from(e), Kind::Mesh))
     })?;
     let mesh = chosen.solid;
     let QuadraticElements::Tetrahedra(elements) = &mesh.elements else {
-        return Err(refused("the mesh is of hexahedra", "bodies from surfaces are tetrahedra", "report this"));
+        return Err(input_error("the mesh is of hexahedra", "bodies from surfaces are tetrahedra", "report this"));
     };
-    let made = PyDict::new(py);
-    made.set_item(
+    let record = PyDict::new(py);
+    record.set_item(
         "elements",
         PyArray1::from_iter(py, elements.iter().flatten().map(|node| i64::from(*node)).collect::<Vec<_>>()),
     )?;
-    made.set_item(
+    record.set_item(
         "regions",
         PyArray1::from_iter(py, mesh.regions.iter().map(|region| i64::from(*region)).collect::<Vec<_>>()),
     )?;
-    made.set_item("repairs", chosen.report.repairs)?;
-    made.set_item("nodes", array(py, mesh.nodes.into_flattened()))?;
-    Ok(made)
+    record.set_item("repairs", chosen.report.repairs)?;
+    record.set_item("nodes", numpy_array(py, mesh.nodes.into_flattened()))?;
+    Ok(record)
 }

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use pyo3::PyResult;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::errors::refused;
+use crate::errors::input_error;
 
 /// The process that loaded this module.
 static LOADED: OnceLock<u32> = OnceLock::new();
@@ -24,21 +24,21 @@ struct Pool {
 impl Pool {
     fn new(count: usize) -> PyResult<Self> {
         let built = ThreadPoolBuilder::new().num_threads(count).build();
-        let why = |e: rayon::ThreadPoolBuildError| {
-            refused(format!("{count} threads cannot be had"), e.to_string(), "ask for fewer")
+        let refusal = |e: rayon::ThreadPoolBuildError| {
+            input_error(format!("{count} threads cannot be had"), e.to_string(), "ask for fewer")
         };
-        Ok(Self { process: process::id(), threads: Arc::new(built.map_err(why)?) })
+        Ok(Self { process: process::id(), threads: Arc::new(built.map_err(refusal)?) })
     }
 
     /// The pool in `held` if it is of this process, else one made anew in its place.
     fn current(held: &Mutex<Option<Self>>, count: usize) -> PyResult<Arc<ThreadPool>> {
-        let mut held = held.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if held.as_ref().is_none_or(|pool| pool.process != process::id()) {
+        let mut pool = held.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if pool.as_ref().is_none_or(|kept| kept.process != process::id()) {
             // The threads of the former pool are not there to be ended.
-            std::mem::forget(held.take());
-            *held = Some(Self::new(count)?);
+            std::mem::forget(pool.take());
+            *pool = Some(Self::new(count)?);
         }
-        held.as_ref().map(|pool| pool.threads.clone()).ok_or_else(|| refused("no threads can be had", "", ""))
+        pool.as_ref().map(|kept| kept.threads.clone()).ok_or_else(|| input_error("no threads can be had", "", ""))
     }
 }
 
