@@ -34,10 +34,16 @@
 //! Depends on `safetensors`, `thiserror` and `wide` (vectors of eight numbers) alone.
 
 // Without them it would step at a third of its speed, and single-precision products would round otherwise.
-#[cfg(all(target_arch = "x86_64", not(all(target_feature = "avx2", target_feature = "fma")), not(doc), not(doctest)))]
+#[cfg(all(
+    target_arch = "x86_64",
+    not(all(target_feature = "avx2", target_feature = "fma")),
+    not(feature = "portable"),
+    not(doc),
+    not(doctest)
+))]
 compile_error!(
     "the crate `twin` is built with AVX2 and FMA: put `[target.'cfg(target_arch = \"x86_64\")']` and `rustflags = [\"-C\", \"target-cpu=x86-64-v3\"]` \
-     into .cargo/config.toml of your workspace, or set RUSTFLAGS=\"-C target-cpu=x86-64-v3\""
+     into .cargo/config.toml of your workspace, or set RUSTFLAGS=\"-C target-cpu=x86-64-v3\"; the feature `portable` takes any processor, at a third of the speed"
 );
 
 mod adjoint;

@@ -45,7 +45,7 @@ const MANIFESTS: [(&str, &str); 3] = [
         "Cargo.toml",
         "[package]\nname = \"twin\"\nversion = \"0.1.0\"\nedition = \"2024\"\nlicense = \"MIT OR Apache-2.0\"\n\n[dependencies]\n\
          safetensors = { version = \"=0.8.0\", default-features = false, features = [\"std\"] }\nthiserror = \"=2.0.21\"\n\
-         wide = { version = \"=1.7.1\", default-features = false }\n\n[workspace]\n",
+         wide = { version = \"=1.7.1\", default-features = false }\n\n[features]\nportable = []\n\n[workspace]\n",
     ),
     // a folder of its own: functions for C need unsafe code, which the crate does without
     (
