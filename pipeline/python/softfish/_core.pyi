@@ -31,7 +31,7 @@ from softfish._records import (
 _Array = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 
-__all__ = ["MATERIALS", "__version__", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "box_mesh", "calibrate", "fit", "require_record", "run_case", "track"]
+__all__ = ["MATERIALS", "__version__", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "Twin", "TwinState", "box_mesh", "calibrate", "fit", "mesh_surfaces", "require_record", "run_case", "track"]
 
 MATERIALS: list[str]
 __version__: str
@@ -172,6 +172,7 @@ class ReducedModel:
         loss: _Pair,
     ) -> tuple[_Pair, list[float], list[float]]: ...
 
+@final
 class Twin:
     @staticmethod
     def read(path: str) -> Twin: ...
@@ -188,6 +189,7 @@ class Twin:
     def start(self) -> TwinState: ...
     def restored(self, bytes: bytes) -> TwinState: ...
 
+@final
 class TwinState:
     def step(self, pressures: _Array, duration: float) -> None: ...
     def time(self) -> float: ...
