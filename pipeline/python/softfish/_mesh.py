@@ -36,9 +36,11 @@ class Mesh(Sealed):
 
     Every mesh is checked: inverted, flat and repeated elements, nodes that lie at the same place and faces of more than two elements are
     refused. Nodes that no element uses are dropped; `numbering` then says where each node is.
+
+    Attributes:
+        repairs: What `from_surfaces` changed of the surfaces, a sentence each.
     """
 
-    #: What `from_surfaces` changed of the surfaces, a sentence each.
     repairs: tuple[str, ...] = ()
 
     @checked()

@@ -92,7 +92,11 @@ class Twin:
 
 
 class TwinState:
-    """A moving tail: `Twin.start` gives it at rest."""
+    """A moving tail: `Twin.start` gives it at rest.
+
+    Attributes:
+        twin: The tail that moves.
+    """
 
     def __init__(self, twin: Twin, core: _core.TwinState) -> None:
         instance("twin", twin, Twin, "use Twin.start")
@@ -125,12 +129,12 @@ class TwinState:
 
     @property
     def coordinates(self) -> Array:
-        """q."""
+        """q, one per coordinate, no unit."""
         return self._core.coordinates()
 
     @property
     def velocity(self) -> Array:
-        """q̇, 1/s."""
+        """q̇, one per coordinate, 1/s."""
         return self._core.velocity()
 
     @property
@@ -145,7 +149,7 @@ class TwinState:
 
     @property
     def excursion(self) -> float:
-        """The largest entry of q over that of the shapes which the tail was reduced from: above 1 its shape is extrapolated."""
+        """The largest entry of q over that of the shapes which the tail was reduced from: above 1 its shape is extrapolated; no unit."""
         return self._core.excursion()
 
     def saved(self) -> bytes:
