@@ -1,0 +1,174 @@
+//! An inflated body as a family of equilibria: displacement of its tip by the constants of its material, the offset of its walls and the
+//! pressure, with all derivatives.
+//!
+//! Inertia is left out: what is compared are means over a period of the ring-down. Relaxation acts as the isochronous modulus.
+
+use std::sync::Arc;
+
+use fem::{Equilibrium, Parameter, Solver, StaticSettings, System};
+use mesh::Skin;
+use nalgebra::Vector3;
+use si::{Metre, Pascal, Point3};
+
+use crate::inflation_test::body::{Carried, carried_markers, mean_marker_displacement};
+use crate::inflation_test::page::Page;
+use crate::wall_offset;
+use diagnostics::{Diagnostic, Result};
+use simulate::case::Case;
+use simulate::{Body, Loaded};
+
+/// E (Pa), C₂₀/C₁₀, C₃₀/C₁₀, the offset of the walls (m) and the pressure (Pa).
+pub(super) type Point = [f64; 5];
+/// Where they stand.
+const WALL: usize = 3;
+pub(super) const PRESSURE: usize = 4;
+
+/// Least step of a path, as a part of it.
+const LEAST_STEP: f64 = 0.01;
+/// Newton iterations of a warm start: those that converge need four to eight.
+const ITERATIONS: usize = 14;
+
+/// A meshed body with one chamber that is inflated.
+pub(super) struct Inflated {
+    system: System,
+    /// One solver's properties.
+    poissons_ratio: f64,
+    gravity: Point3,
+    carried: Vec<Carried>,
+    along: usize,
+    chamber: usize,
+    chambers: usize,
+    /// Motion of the nodes for each metre of offset.
+    velocity: Vec<f64>,
+}
+
+/// An equilibrium with its derivatives.
+#[derive(Debug, Clone)]
+pub(super) struct Shape {
+    pub at: Point,
+    displacement: Vec<f64>,
+    /// du/dθ.
+    changes: Vec<Vec<f64>>,
+    /// Mean place of the markers relative to rest without pressure and weight, m.
+    pub tip: Metre,
+    /// Its derivatives.
+    pub slopes: Point,
+}
+
+impl Inflated {
+    pub fn new(page: &Page, case: &Case, loaded: &Loaded) -> Result<Self> {
+        let body = Body::new(case, loaded)?;
+        let velocity = wall_offset(&loaded.solid, |on, _| matches!(on, Skin::Chamber(_)));
+        Ok(Self {
+            poissons_ratio: body.system.regions()[0].poissons_ratio,
+            gravity: case.gravity,
+            carried: carried_markers(page, loaded)?,
+            along: page.along as usize,
+            chamber: body.numbers[0],
+            chambers: body.cavities.len(),
+            velocity,
+            system: body.system,
+        })
+    }
+
+    fn solver(&self, point: &Point) -> Result<Solver> {
+        let mut solver = self.system.morphed(&self.velocity, point[WALL])?.solver();
+        solver.set_gravity(self.gravity)?;
+        solver.set_elastic(0, point[0], self.poissons_ratio)?;
+        solver.set_stiffening(0, [point[1], point[2]])?;
+        Ok(solver)
+    }
+
+    fn pressures(&self, pressure: Pascal) -> Vec<Pascal> {
+        (0..self.chambers).map(|k| if k == self.chamber { pressure } else { 0.0 }).collect()
+    }
+
+    /// The equilibrium at `point`, followed from the nearest of `known` in steps that are halved where Newton's method fails; of none, from
+    /// rest.
+    pub fn shape(&self, point: &Point, known: &[Arc<Shape>]) -> Result<Shape> {
+        let scale = [0.1 * point[0], 0.3, 0.3, 1e-4, 2e3];
+        let distance = |shape: &Shape| (0..5).map(|k| ((shape.at[k] - point[k]) / scale[k]).powi(2)).sum::<f64>();
+        let nearest = known.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let mut last = match nearest {
+            Some(shape) => Shape::clone(shape),
+            None => {
+                let rest = [point[0], point[1], point[2], point[WALL], 0.0];
+                let mut solver = self.solver(&rest)?;
+                let found = solver.equilibrium(&self.pressures(0.0), None, &StaticSettings::default())?;
+                self.linearised(&mut solver, &rest, found)?
+            }
+        };
+        let settings = StaticSettings { max_iterations: ITERATIONS, ..StaticSettings::default() };
+        let (start, mut part, mut step) = (last.at, 0.0, 1.0_f64);
+        if distance(&last) > 25.0 {
+            step = 5.0 / distance(&last).sqrt();
+        }
+        while part < 1.0 {
+            let next = (part + step).min(1.0);
+            let at: Point = std::array::from_fn(|k| start[k] + next * (point[k] - start[k]));
+            let mut solver = self.solver(&at)?;
+            let predicted = last.predicted(&at);
+            let pressures = self.pressures(at[PRESSURE]);
+            match solver.equilibrium_near(&pressures, &last.displacement, &predicted, &settings) {
+                Ok(found) => {
+                    step *= if found.iterations < 7 { 2.0 } else { 1.0 };
+                    last = self.linearised(&mut solver, &at, found)?;
+                    part = next;
+                }
+                Err(error) if step < LEAST_STEP => return Err(Diagnostic::from(error)),
+                Err(_) => step *= 0.4,
+            }
+        }
+        Ok(last)
+    }
+
+    fn linearised(&self, solver: &mut Solver, point: &Point, found: Equilibrium) -> Result<Shape> {
+        let region = 0;
+        let mut changes = Vec::new();
+        for parameter in [
+            Parameter::YoungsModulus(region),
+            Parameter::Stiffening { region, term: 0 },
+            Parameter::Stiffening { region, term: 1 },
+        ] {
+            changes.push(solver.sensitivity(&found, parameter)?);
+        }
+        changes.push(solver.shape_sensitivity(&found, &self.velocity)?);
+        changes.push(solver.sensitivity(&found, Parameter::Pressure(self.chamber))?);
+        let tip = self.tip(point[WALL], &found.displacement);
+        let mut slopes = [0.0; 5];
+        for (k, (slope, change)) in slopes.iter_mut().zip(&changes).enumerate() {
+            let largest = change.iter().fold(1e-30, |most: f64, u| most.max(u.abs()));
+            let step = 1e-6 / largest;
+            let side = |step: f64| {
+                let moved: Vec<f64> = found.displacement.iter().zip(change).map(|(u, d)| u + step * d).collect();
+                self.tip(point[WALL] + if k == WALL { step } else { 0.0 }, &moved)
+            };
+            *slope = (side(step) - side(-step)) / (2.0 * step);
+        }
+        Ok(Shape { at: *point, displacement: found.displacement, changes, tip, slopes })
+    }
+
+    fn tip(&self, wall: Metre, displacement: &[f64]) -> Metre {
+        let mesh = self.system.mesh();
+        let moved: Vec<Point3> = mesh
+            .nodes
+            .iter()
+            .zip(self.velocity.chunks_exact(3))
+            .map(|(x, v)| [0, 1, 2].map(|axis| x[axis] + wall * v[axis]))
+            .collect();
+        let mean: Vector3<f64> = mean_marker_displacement(&self.carried, &moved, displacement);
+        mean[self.along]
+    }
+}
+
+impl Shape {
+    fn predicted(&self, point: &Point) -> Vec<f64> {
+        let mut guess = self.displacement.clone();
+        for (k, change) in self.changes.iter().enumerate() {
+            let by = point[k] - self.at[k];
+            guess.iter_mut().zip(change).for_each(|(u, d)| *u += by * d);
+        }
+        guess
+    }
+}
+
