@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::{Clamps, Equilibrium, Mesh, Options, RegionProperties, SolveError, Solver, StaticSettings, System, box_mesh, materials};
+use fem::{
+    Clamps, Equilibrium, Mesh, Options, RegionProperties, SolveError, Solver, StaticSettings, System, box_mesh,
+    materials,
+};
 
 const PRESSURE: f64 = 1.2e4;
 
@@ -17,10 +20,8 @@ fn bar() -> Mesh {
 fn system(law: &str, options: Options) -> System {
     let mesh = bar();
     let material = materials::by_name(law).unwrap();
-    let regions = [2.1e5, 3e7].map(|e| RegionProperties {
-        stiffening: [0.3, -0.1],
-        ..RegionProperties::elastic(material, e, 0.45, 1e3)
-    });
+    let regions = [2.1e5, 3e7]
+        .map(|e| RegionProperties { stiffening: [0.3, -0.1], ..RegionProperties::elastic(material, e, 0.45, 1e3) });
     let clamps = Clamps::below_x(&mesh, 1e-9);
     System::with(mesh, regions.to_vec(), clamps, options).unwrap()
 }

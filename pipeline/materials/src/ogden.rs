@@ -74,10 +74,7 @@ impl Material for Ogden {
         let Some(volume) = Volume::of(F) else { return (f64::INFINITY, Matrix3::zeros()) };
         let (energy, stress) = volume.stress(F, moduli);
         let (terms, [c20, c30]) = (Terms::new(F, &volume), moduli.stiffening);
-        (
-            energy + c20 * terms.energy[0] + c30 * terms.energy[1],
-            stress + terms.stress[0] * c20 + terms.stress[1] * c30,
-        )
+        (energy + c20 * terms.energy[0] + c30 * terms.energy[1], stress + terms.stress[0] * c20 + terms.stress[1] * c30)
     }
 
     fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {

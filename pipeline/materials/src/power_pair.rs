@@ -28,11 +28,7 @@ impl PowerPair {
     fn series(&self, [stiff, soft]: [f64; 2], x: f64) -> [f64; 3] {
         let (b, ratio) = (self.soft, 1.0 + x / 3.0);
         let power = ratio.powf(b - 2.0);
-        let steep = [
-            3.0 / b * (power * ratio * ratio - 1.0) - x,
-            power * ratio - 1.0,
-            (b - 1.0) / 3.0 * power,
-        ];
+        let steep = [3.0 / b * (power * ratio * ratio - 1.0) - x, power * ratio - 1.0, (b - 1.0) / 3.0 * power];
         let square = [x * x / 6.0, x / 3.0, 1.0 / 3.0];
         std::array::from_fn(|k| stiff * square[k] + soft * steep[k])
     }

@@ -57,9 +57,8 @@ fn middles(solid: &Solid, element: usize) -> Vec<(usize, [usize; 2])> {
         },
     };
     let corners = nodes.len() - edges.len();
-    let middle = |(k, [a, b]): (usize, &[usize; 2])| {
-        (nodes[corners + k] as usize, [nodes[*a] as usize, nodes[*b] as usize])
-    };
+    let middle =
+        |(k, [a, b]): (usize, &[usize; 2])| (nodes[corners + k] as usize, [nodes[*a] as usize, nodes[*b] as usize]);
     // a wedge names an edge that has shrunk to a corner
     edges.iter().enumerate().map(middle).filter(|(_, [a, b])| a != b).collect()
 }
@@ -108,9 +107,8 @@ fn held_nodes(solid: &Solid, is_offset: impl Fn(Skin, Point3) -> bool) -> BTreeM
 impl Held {
     /// Adds a face: to the wall that it continues smoothly, or as another one.
     fn add(&mut self, area: Vector3<f64>, offset: f64) {
-        let continues = |(wall, t): &&mut (Vector3<f64>, f64)| {
-            *t == offset && wall.dot(&area) > SMOOTH * wall.norm() * area.norm()
-        };
+        let continues =
+            |(wall, t): &&mut (Vector3<f64>, f64)| *t == offset && wall.dot(&area) > SMOOTH * wall.norm() * area.norm();
         match self.walls.iter_mut().find(continues) {
             Some((wall, _)) => *wall += area,
             None => self.walls.push((area, offset)),
@@ -178,7 +176,8 @@ impl<'a> Smoothing<'a> {
             (wall + Matrix3::identity() * sum.max(f64::MIN_POSITIVE)).try_inverse().unwrap_or_else(Matrix3::identity)
         };
         let blocks: Vec<Matrix3<f64>> = self.walls.iter().zip(&self.sums).map(block).collect();
-        let precondition = |r: &[Vector3<f64>]| -> Vec<Vector3<f64>> { r.iter().zip(&blocks).map(|(r, b)| b * r).collect() };
+        let precondition =
+            |r: &[Vector3<f64>]| -> Vec<Vector3<f64>> { r.iter().zip(&blocks).map(|(r, b)| b * r).collect() };
         let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
         let mut x = vec![Vector3::zeros(); self.right.len()];
         let mut residual = self.with_rest(self.right.clone());
@@ -213,4 +212,58 @@ fn symmetry_nodes(solid: &Solid) -> BTreeMap<usize, bool> {
         }
     }
     only
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inflation_test::tests::{CASE, hollow};
+
+    fn solid() -> Solid {
+        let folder =
+            std::env::temp_dir().join(format!("offset-{}-{:?}", std::process::id(), std::thread::current().id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("box.stl"), mesh::stl::write(&hollow(), 1e-3, "box")).unwrap();
+        std::fs::write(folder.join("case.toml"), CASE).unwrap();
+        let case = simulate::case::read(&folder.join("case.toml")).unwrap();
+        let loaded = simulate::load(&case, &folder).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        loaded.solid
+    }
+
+    /// The cavity of 40 × 6 × 12 mm becomes one whose sides are nearer by the offset, and the outside stays.
+    #[test]
+    fn every_wall_of_a_chamber_moves_by_the_offset_along_its_normal() {
+        let solid = solid();
+        let velocity = wall_offset(&solid, |on, _| matches!(on, Skin::Chamber(_)));
+        for (nodes, on) in solid.faces() {
+            let corners: Vec<Vector3<f64>> = nodes[..3].iter().map(|node| point(&solid, *node as usize)).collect();
+            let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).normalize();
+            let expected = if matches!(on, Skin::Chamber(_)) { 1.0 } else { 0.0 };
+            for node in nodes {
+                let v = Vector3::from_column_slice(&velocity[3 * *node as usize..3 * *node as usize + 3]);
+                assert!((v.dot(&normal) - expected).abs() < 2e-3, "{on:?} {v:?} {normal:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn named_walls_move_alone() {
+        let solid = solid();
+        // the one at y = 9 mm
+        let velocity = wall_offset(&solid, |on, centre| matches!(on, Skin::Chamber(_)) && centre[1] > 0.0089);
+        for (node, [x, y, _]) in solid.nodes().iter().enumerate() {
+            let v = &velocity[3 * node..3 * node + 3];
+            if (y - 0.003).abs() < 1e-9 && (0.011..0.049).contains(x) {
+                assert!(v[1].abs() < 1e-9, "the wall opposite is at rest");
+            }
+        }
+        let largest = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        assert!((largest - 1.0).abs() < 2e-3, "{largest}");
+    }
+
+    #[test]
+    fn nothing_moves_where_no_wall_is_named() {
+        assert!(wall_offset(&solid(), |_, _| false).iter().all(|v| *v == 0.0));
+    }
 }

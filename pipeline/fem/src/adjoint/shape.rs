@@ -70,9 +70,8 @@ impl SolverState {
 
     /// Adds that of the chambers: their forces are quadratic in the places of the nodes, so that a central difference is exact.
     fn add_pressure_derivative(&self, at: &Equilibrium, (velocity, step): (&[f64], f64), derivative: &mut [f64]) {
-        let moved = |part: f64| -> Vec<f64> {
-            at.displacement.iter().zip(velocity).map(|(u, v)| u + part * v).collect()
-        };
+        let moved =
+            |part: f64| -> Vec<f64> { at.displacement.iter().zip(velocity).map(|(u, v)| u + part * v).collect() };
         let (above, below) = (moved(step), moved(-step));
         for (chamber, pressure) in self.data.chambers.iter().zip(&at.pressures).filter(|(_, p)| **p != 0.0) {
             chamber.add_gradient(&above, 0.5 * pressure / step, derivative);
@@ -87,7 +86,10 @@ impl SolverState {
         }
         let mut nodal_mass = vec![0.0; self.data.mesh.nodes.len()];
         for side in [1.0, -1.0] {
-            let mesh = crate::Mesh { nodes: moved_nodes(&self.data.mesh.nodes, velocity, side * step), ..self.data.mesh.clone() };
+            let mesh = crate::Mesh {
+                nodes: moved_nodes(&self.data.mesh.nodes, velocity, side * step),
+                ..self.data.mesh.clone()
+            };
             let products = ShapeProducts::new(&mesh, self.data.options.lumped_mass);
             for (region, properties) in self.inputs.properties.iter().enumerate() {
                 products.add_nodal_mass(&mesh, region, -side * 0.5 * properties.density / step, &mut nodal_mass);

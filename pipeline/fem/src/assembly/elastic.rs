@@ -296,16 +296,21 @@ impl Body<'_> {
         for (element, nodes, elastic) in self.elements_with_law::<N>() {
             let (displacements, velocities) = (element_values(nodes, u), element_values(nodes, velocity));
             let mut force = [[0.0; 3]; N];
-            self.for_each_sample::<N>(element, elastic, elastic.moduli, |Sample { gradients, weight, moduli, .. }| {
-                let F = deformation_gradient(gradients, &displacements);
-                let L = deformation_gradient(gradients, &velocities) - Matrix3::identity();
-                let response = elastic.material.response(&F, moduli);
-                let dF = (Matrix3::identity() - F) * L;
-                let dP = response.tangent * SVector::<f64, 9>::from_column_slice(dF.as_slice());
-                let P = response.stress;
-                let change = Matrix3::from_column_slice(dP.as_slice()) + P * L.trace() - P * L.transpose();
-                add_force(&mut force, gradients, &change, weight);
-            });
+            self.for_each_sample::<N>(
+                element,
+                elastic,
+                elastic.moduli,
+                |Sample { gradients, weight, moduli, .. }| {
+                    let F = deformation_gradient(gradients, &displacements);
+                    let L = deformation_gradient(gradients, &velocities) - Matrix3::identity();
+                    let response = elastic.material.response(&F, moduli);
+                    let dF = (Matrix3::identity() - F) * L;
+                    let dP = response.tangent * SVector::<f64, 9>::from_column_slice(dF.as_slice());
+                    let P = response.stress;
+                    let change = Matrix3::from_column_slice(dP.as_slice()) + P * L.trace() - P * L.transpose();
+                    add_force(&mut force, gradients, &change, weight);
+                },
+            );
             scatter_forces(nodes, &force, forces);
         }
     }

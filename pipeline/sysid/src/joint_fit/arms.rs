@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use super::inflated::{Inflated, PRESSURE, Point, Shape};
 use super::parameters::Parameter;
-use super::strip::time_of_modulus;
 use super::test::{Condition, Memory, Place, Predicted, Quantity, Test};
 use crate::inflation_test::page::{Page, Recording};
 use crate::inflation_test::recorded::Recorded;
@@ -77,7 +76,7 @@ impl Arms {
 
     /// Where the body is soon after the step and at the end of the hold.
     fn points(&self, at: &Place, recording: &Recording) -> Result<[Point; 2]> {
-        let constants = at.law.constants(at.shared, time_of_modulus())?;
+        let constants = at.law.constants(at.shared)?;
         let [batch, wall, missing] = [at.own[0].exp(), 1e-3 * at.own[1], 1e3 * at.own[2]];
         let settling = self.page.settling.unwrap_or(f64::INFINITY);
         let early = 0.5 * (self.page.early[0] + self.page.early[1]);
@@ -141,7 +140,8 @@ impl Test for Arms {
         ambient[PRESSURE] = 0.0;
         let rest = remembered(body, &ambient, memory)?;
         let shape = remembered(body, &points[0], memory)?;
-        let slopes: Point = std::array::from_fn(|k| if k == PRESSURE { shape.slopes[k] } else { shape.slopes[k] - rest.slopes[k] });
+        let slopes: Point =
+            std::array::from_fn(|k| if k == PRESSURE { shape.slopes[k] } else { shape.slopes[k] - rest.slopes[k] });
         let tip = |points: [Point; 2]| {
             points.map(|point| {
                 let change: f64 = (0..5).map(|k| slopes[k] * (point[k] - shape.at[k])).sum();

@@ -61,22 +61,23 @@ impl Bars {
             let file = folder.join(case);
             let trained = condition::Condition::new(&page, &file, None)?;
             let with = |material: &&'static str| {
-                let model =
-                    condition::Condition::of_material(&page, &file, (material, Some(&trained)), None)?;
+                let model = condition::Condition::of_material(&page, &file, (material, Some(&trained)), None)?;
                 Ok((*material, model))
             };
             materials.iter().map(with).collect()
         };
         let models = cases.par_iter().map(models).collect::<Result<_>>()?;
-        let conditions = members.iter().map(|members| measured_condition(&page, &recorded, members)).collect::<Result<_>>()?;
+        let conditions =
+            members.iter().map(|members| measured_condition(&page, &recorded, members)).collect::<Result<_>>()?;
         Ok(Self { page, recorded, conditions, members, models })
     }
 
     /// Features of recording `k` under `condition`, in the units of their names.
     fn features(&self, at: &Place, (condition, k): (usize, usize)) -> Result<[f64; 4]> {
         let model = self.models[condition].iter().find(|(name, _)| *name == at.law.material).map(|(_, model)| model);
-        let model = model.ok_or_else(|| Diagnostic::new("a law has no reduced model", at.law.name, "report this as a bug"))?;
-        let properties = at.law.constants(at.shared, self.page.modulus_time)?.properties();
+        let model =
+            model.ok_or_else(|| Diagnostic::new("a law has no reduced model", at.law.name, "report this as a bug"))?;
+        let properties = at.law.constants(at.shared)?.properties();
         let recorded = &self.recorded[k].fall;
         let times = times(&self.page, recorded.end() + self.page.step);
         let fall = model.fall(&properties, at.own[k], &times)?;

@@ -15,9 +15,9 @@ use diagnostics::{Diagnostic, Result};
 /// Rounds in which the deviations of tests are found.
 const ROUNDS: usize = 2;
 /// Evaluations of a round, and the step that ends it, of the width of a parameter's range.
-const EVALUATIONS: usize = 14;
+const EVALUATIONS: usize = 12;
 const STEP: f64 = 2e-3;
-const FALL: f64 = 1e-2;
+const FALL: f64 = 2e-2;
 /// The farthest that a parameter moves in a step, as a part of its range.
 const LONGEST: f64 = 0.15;
 
@@ -38,6 +38,8 @@ pub(super) struct Start {
     /// Factor of the deviations of each test.
     pub scales: Vec<f64>,
     pub memory: Memory,
+    /// Searches, after each of which the scales are found again.
+    pub rounds: usize,
 }
 
 /// The end of a fit.
@@ -56,7 +58,10 @@ impl Fit<'_> {
     /// Shared parameters, then those of each test.
     pub fn parameters(&self) -> Vec<Parameter> {
         let own = self.tests.iter().flat_map(|test| {
-            let named = |parameter: Parameter| Parameter { name: format!("{} of {}", parameter.name, test.name()), ..parameter };
+            let named = |parameter: Parameter| Parameter {
+                name: format!("{} of {}", parameter.name, test.name()),
+                ..parameter
+            };
             test.parameters().into_iter().map(named).collect::<Vec<_>>()
         });
         self.law.parameters().into_iter().chain(own).collect()
@@ -72,7 +77,7 @@ impl Fit<'_> {
     /// The start without anything known.
     pub fn start(&self) -> Start {
         let point = self.parameters().iter().map(|parameter| parameter.start).collect();
-        Start { point, scales: vec![1.0; self.tests.len()], memory: Memory::new() }
+        Start { point, scales: vec![1.0; self.tests.len()], memory: Memory::new(), rounds: ROUNDS }
     }
 
     /// Predictions of a condition, with their derivatives by all parameters.
@@ -93,7 +98,12 @@ impl Fit<'_> {
     }
 
     /// Residuals of the conditions `used` and of the priors; those of a test are divided by its scale.
-    fn residuals(&self, (point, scales): (&[f64], &[f64]), used: &[Which], memory: &mut Memory) -> Result<(Residuals, Vec<usize>)> {
+    fn residuals(
+        &self,
+        (point, scales): (&[f64], &[f64]),
+        used: &[Which],
+        memory: &mut Memory,
+    ) -> Result<(Residuals, Vec<usize>)> {
         let (mut residuals, mut owners) = (Residuals { values: Vec::new(), jacobian: Vec::new() }, Vec::new());
         for &(test, condition) in used {
             let quantities = &self.tests[test].conditions()[condition].quantities;
@@ -118,9 +128,9 @@ impl Fit<'_> {
     /// # Errors
     /// A diagnostic when nothing can be evaluated at the start.
     pub fn run(&self, start: Start, used: &[Which]) -> Result<Fitted> {
-        let Start { mut point, mut scales, mut memory } = start;
+        let Start { mut point, mut scales, mut memory, rounds } = start;
         let mut evaluations = 0;
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             let (next, count) = self.minimise((&point, &scales), used, &mut memory)?;
             (point, evaluations) = (next, evaluations + count);
             let (residuals, owners) = self.residuals((&point, &scales), used, &mut memory)?;
@@ -132,13 +142,24 @@ impl Fit<'_> {
     }
 
     /// The minimum from a point on, and the evaluations that it took.
-    fn minimise(&self, (from, scales): (&[f64], &[f64]), used: &[Which], memory: &mut Memory) -> Result<(Vec<f64>, usize)> {
+    fn minimise(
+        &self,
+        (from, scales): (&[f64], &[f64]),
+        used: &[Which],
+        memory: &mut Memory,
+    ) -> Result<(Vec<f64>, usize)> {
         let parameters = self.parameters();
         let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         let end = |k: usize| parameters.iter().map(|parameter| parameter.range[k]).collect();
         let problem = Problem::new(&names, from.to_vec(), Bounds { low: end(0), high: end(1) })?;
         let longest_step = parameters.iter().map(|p| LONGEST * (p.range[1] - p.range[0])).collect();
-        let settings = Settings { damping: 1e-2, step_tolerance: STEP, fall_tolerance: FALL, iterations: EVALUATIONS, longest_step };
+        let settings = Settings {
+            damping: 1e-2,
+            step_tolerance: STEP,
+            fall_tolerance: FALL,
+            iterations: EVALUATIONS,
+            longest_step,
+        };
         let mut optimiser = GaussNewton::new(&problem, &settings)?;
         let mut count = 0;
         let mut evaluate = |batch: &[Vec<f64>], _: Needs| -> std::result::Result<Vec<Evaluation>, OptimiseError> {
@@ -148,7 +169,11 @@ impl Fit<'_> {
         let best = minimise(&mut optimiser, &mut evaluate)?.best;
         if best.loss.is_infinite() {
             let message = format!("{} cannot be evaluated where its fit begins", self.law.name);
-            return Err(Diagnostic::new(message, "a wall balloons there, or a motion is not found", "leave this law out"));
+            return Err(Diagnostic::new(
+                message,
+                "a wall balloons there, or a motion is not found",
+                "leave this law out",
+            ));
         }
         Ok((best.at, count))
     }

@@ -172,3 +172,70 @@ impl Shape {
     }
 }
 
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inflation_test::tests::{CASE, PAGE, hollow};
+    use std::path::Path;
+
+    /// The hollow box of the inflation test, of a law with both coefficients.
+    fn hollow_box() -> Inflated {
+        let folder =
+            std::env::temp_dir().join(format!("inflated-{}-{:?}", std::process::id(), std::thread::current().id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("box.stl"), mesh::stl::write(&hollow(), 1e-3, "box")).unwrap();
+        std::fs::write(folder.join("case.toml"), CASE.replace("yeoh", "lopez_pamies_m5")).unwrap();
+        let case = simulate::case::read(&folder.join("case.toml")).unwrap();
+        let loaded = simulate::load(&case, &folder).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        Inflated::new(&Page::parse(PAGE, Path::new("page.toml")).unwrap(), &case, &loaded).unwrap()
+    }
+
+    const AT: Point = [1.2e5, 2.0, -0.3, 1e-4, 8e3];
+
+    #[test]
+    fn slopes_are_differences_of_equilibria() {
+        let body = hollow_box();
+        let shape = Arc::new(body.shape(&AT, &[]).unwrap());
+        assert!(shape.tip.abs() > 2e-4, "the box bends: {}", shape.tip);
+        for (k, step) in [12.0, 1e-3, 1e-3, 1e-6, 1.0].into_iter().enumerate() {
+            let side = |step: f64| {
+                let mut point = AT;
+                point[k] += step;
+                body.shape(&point, &[Arc::clone(&shape)]).unwrap().tip
+            };
+            let difference = (side(step) - side(-step)) / (2.0 * step);
+            assert!((shape.slopes[k] / difference - 1.0).abs() < 1e-3, "{k}: {} {difference}", shape.slopes[k]);
+        }
+    }
+
+    /// Two pressures tell the offset of the walls from the modulus.
+    #[test]
+    fn a_planted_offset_of_the_walls_comes_back_with_the_modulus() {
+        let body = hollow_box();
+        let tips = |point: &Point| {
+            let at = |pressure: f64| body.shape(&[point[0], point[1], point[2], point[3], pressure], &[]).unwrap();
+            [at(8e3), at(1.6e4)]
+        };
+        let planted = tips(&AT).map(|shape| shape.tip);
+        let mut point = [1.1e5, AT[1], AT[2], 0.0, 0.0];
+        for _ in 0..12 {
+            let shapes = tips(&point);
+            let [a, b] = [0, 1].map(|k| planted[k] - shapes[k].tip);
+            let slope = |k: usize, p: usize| shapes[k].slopes[p];
+            let determinant = slope(0, 0) * slope(1, WALL) - slope(1, 0) * slope(0, WALL);
+            point[0] += ((a * slope(1, WALL) - b * slope(0, WALL)) / determinant).clamp(-1e4, 1e4);
+            point[WALL] += ((b * slope(0, 0) - a * slope(1, 0)) / determinant).clamp(-3e-5, 3e-5);
+        }
+        assert!((point[WALL] - AT[WALL]).abs() < 2e-6, "{point:?}");
+        assert!((point[0] / AT[0] - 1.0).abs() < 1e-3, "{point:?}");
+    }
+
+    #[test]
+    fn a_path_from_rest_ends_where_a_nearby_equilibrium_leads() {
+        let body = hollow_box();
+        let near = Arc::new(body.shape(&[1.2e5, 2.0, -0.3, 0.0, 7e3], &[]).unwrap());
+        let (far, close) = (body.shape(&AT, &[]).unwrap(), body.shape(&AT, &[near]).unwrap());
+        assert!((far.tip / close.tip - 1.0).abs() < 1e-6);
+    }
+}

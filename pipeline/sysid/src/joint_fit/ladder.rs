@@ -13,8 +13,9 @@ pub(super) type Prediction = std::result::Result<Vec<(Predicted, f64)>, String>;
 /// Everything that is known of one law.
 pub(super) struct LawResult {
     pub law: &'static Law,
-    /// Fitted to every condition that may be.
+    /// Fitted to the conditions `used`.
     pub joint: Fitted,
+    pub used: Vec<Which>,
     /// What the joint fit says of every condition, by test and condition.
     pub all: Vec<Vec<Prediction>>,
     /// What a fit to the others says of each condition that is fitted.
@@ -52,7 +53,12 @@ impl Bench<'_> {
     fn result(&self, law: &'static Law) -> Result<LawResult> {
         let (fit, used) = (Fit { law, tests: self.tests }, self.used());
         let joint = fit.run(fit.start(), &used)?;
-        (self.progress)(&format!("{:<18} fitted to {} conditions, {} evaluations", law.name, used.len(), joint.evaluations));
+        (self.progress)(&format!(
+            "{:<18} fitted to {} conditions, {} evaluations",
+            law.name,
+            used.len(),
+            joint.evaluations
+        ));
         let mut memory = joint.memory.clone();
         let mut predict = |t: usize| -> Vec<Prediction> {
             (0..self.tests[t].conditions().len()).map(|c| prediction(&fit, &joint, (t, c), &mut memory)).collect()
@@ -64,16 +70,34 @@ impl Bench<'_> {
                 point: joint.point.clone(),
                 scales: joint.scales.clone(),
                 memory: joint.memory.clone(),
+                rounds: 1,
             };
-            let predicted = fit.run(start, &remaining).map_err(|error| error.to_string()).and_then(|fitted| {
-                prediction(&fit, &fitted, *omitted, &mut fitted.memory.clone())
-            });
-            let name = &self.tests[omitted.0].conditions()[omitted.1].name;
-            (self.progress)(&format!("{:<18} predicted {name}, left out", law.name));
+            let predicted = fit
+                .run(start, &remaining)
+                .map_err(|error| error.to_string())
+                .and_then(|fitted| prediction(&fit, &fitted, *omitted, &mut fitted.memory.clone()));
+            (self.progress)(&format!("{:<18} {}", law.name, self.left_out_text(*omitted, &predicted)));
             (*omitted, predicted)
         };
         let left_out = if used.len() > 1 { used.par_iter().map(without).collect() } else { Vec::new() };
-        Ok(LawResult { law, joint, all, left_out })
+        Ok(LawResult { law, joint, used, all, left_out })
+    }
+}
+
+impl Bench<'_> {
+    /// A condition that was left out, with the errors of its prediction in per cent.
+    fn left_out_text(&self, (t, c): Which, prediction: &Prediction) -> String {
+        let condition = &self.tests[t].conditions()[c];
+        let error = |(quantity, (predicted, _)): (&super::test::Quantity, &(Predicted, f64))| {
+            Some(format!("{:+.1}", 100.0 * (predicted.value / quantity.measured? - 1.0)))
+        };
+        match prediction {
+            Ok(values) => {
+                let errors: Vec<String> = condition.quantities.iter().zip(values).filter_map(error).collect();
+                format!("predicted {}, left out: errors of {} %", condition.name, errors.join(", "))
+            }
+            Err(cause) => format!("does not predict {}: {}", condition.name, cause.lines().next().unwrap_or_default()),
+        }
     }
 }
 

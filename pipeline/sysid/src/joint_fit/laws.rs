@@ -7,6 +7,8 @@ use super::parameters::Parameter;
 use crate::free_vibration::condition::Properties;
 use diagnostics::Result;
 
+/// The time after loading to which Young's moduli of a joint fit belong, s: tensile tests and holds of pressures take as long.
+pub(super) const MODULUS_TIME: Second = 3.0;
 /// Decades of the springpot's branches: from shorter than a step to longer than a recording.
 const DECADES: [i32; 2] = [-3, 2];
 
@@ -76,7 +78,7 @@ pub(super) const LAWS: &[Law] = &[
     },
 ];
 
-/// Numbers of the shared parameters before the law's own.
+/// Number of the shared parameters before the law's own.
 const SHARED: usize = 4;
 
 /// A material at a point of the search.
@@ -107,18 +109,18 @@ impl Law {
         shared.into_iter().chain(own).collect()
     }
 
-    /// The material at the `point`, E of which belongs to the time `modulus_time` after loading.
+    /// The material at the `point`.
     ///
     /// # Errors
     /// A diagnostic when the spectrum is refused.
-    pub fn constants(&self, point: &[f64], modulus_time: Second) -> Result<Constants> {
+    pub fn constants(&self, point: &[f64]) -> Result<Constants> {
         let springpot = Springpot { strength: point[1].exp(), exponent: point[2], decades: DECADES };
         let relaxation = Relaxation::springpot(springpot)?;
         let mut stiffening = [0.0; 2];
         for (k, term) in self.terms.iter().enumerate() {
             stiffening[term.which] = point[SHARED + k];
         }
-        let youngs_modulus = point[0].exp() / relaxation.modulus(modulus_time);
+        let youngs_modulus = point[0].exp() / relaxation.modulus(MODULUS_TIME);
         Ok(Constants { youngs_modulus, stiffening, relaxation, mass_damping: point[3] })
     }
 }
@@ -164,7 +166,7 @@ mod tests {
     fn the_stress_of_the_stiffening_does_not_relax() {
         let law = &LAWS[1];
         let point: Vec<f64> = vec![2e5_f64.ln(), 0.05_f64.ln(), 0.3, 1.0, 0.7];
-        let material = law.constants(&point, 3.0).unwrap();
+        let material = law.constants(&point).unwrap();
         assert!((material.isochronous(3.0).0 / 2e5 - 1.0).abs() < 1e-12);
         let absolute = |time: f64| material.isochronous(time).0 * material.isochronous(time).1[0];
         assert!((absolute(0.1) / absolute(3.0) - 1.0).abs() < 1e-12);

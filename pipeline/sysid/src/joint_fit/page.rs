@@ -89,9 +89,11 @@ mod tests {
     fn the_page_that_comes_along_is_read_and_a_slip_of_the_pen_is_refused() {
         let page = Page::parse(PAGE, Path::new("page.toml")).unwrap();
         assert_eq!(page.laws().len(), page.laws.len());
-        for (from, to, expected) in
-            [("edge = ", "edges = ", "edges"), ("\"yeoh\"", "\"yoeh\"", "there is no law"), ("edge = 0", "edge = 8", "out of range")]
-        {
+        for (from, to, expected) in [
+            ("edge = ", "edges = ", "edges"),
+            ("\"yeoh\"", "\"yoeh\"", "there is no law"),
+            ("edge = 0", "edge = 8", "out of range"),
+        ] {
             assert!(PAGE.contains(from), "{from}");
             let refused = Page::parse(&PAGE.replace(from, to), Path::new("page.toml")).unwrap_err().to_string();
             assert!(refused.contains(expected) && refused.contains("do:"), "{refused}");

@@ -6,7 +6,6 @@ use std::path::Path;
 use super::Report;
 use super::fit::{Fit, Which};
 use super::ladder::{LawResult, Prediction, supported};
-use super::strip::time_of_modulus;
 use super::test::Condition;
 use crate::identified_materials::{IdentifiedMaterial, IdentifiedMaterials, file_of};
 use crate::metrics_file;
@@ -61,11 +60,11 @@ fn beyond_and_linear(report: &Report, used: &[Which], (t, c): Which, n: usize) -
     let others: Vec<&Condition> =
         used.iter().filter(|which| which.0 == t && which.1 != c).map(|which| &conditions[which.1]).collect();
     let level = conditions[c].level;
-    let beyond = others.iter().all(|other| other.level < level) || others.iter().all(|other| other.level > level);
-    let pairs: Vec<(f64, f64)> = others
-        .iter()
-        .filter_map(|other| Some((other.level, other.quantities.get(n)?.measured?)))
-        .collect();
+    let fitted_alone = others.is_empty() && used.contains(&(t, c));
+    let beyond = !fitted_alone && others.iter().all(|other| other.level < level)
+        || !fitted_alone && others.iter().all(|other| other.level > level);
+    let pairs: Vec<(f64, f64)> =
+        others.iter().filter_map(|other| Some((other.level, other.quantities.get(n)?.measured?))).collect();
     let products: f64 = pairs.iter().map(|(level, value)| level * value).sum();
     let squares: f64 = pairs.iter().map(|(level, _)| level * level).sum();
     (beyond, (squares > 0.0).then(|| level * products / squares))
@@ -73,18 +72,18 @@ fn beyond_and_linear(report: &Report, used: &[Which], (t, c): Which, n: usize) -
 
 /// Every condition as `result` predicts it: left out where it is fitted otherwise.
 pub(super) fn lines(report: &Report, result: &LawResult) -> Vec<Line> {
-    let used: Vec<Which> = result.left_out.iter().map(|(which, _)| *which).collect();
+    let used = &result.used;
     let mut lines = Vec::new();
     for (t, test) in report.tests.iter().enumerate() {
         for (c, condition) in test.conditions().iter().enumerate() {
             let left_out = result.left_out.iter().find(|(which, _)| *which == (t, c));
             let (role, prediction): (_, &Prediction) = match left_out {
                 Some((_, prediction)) => ("left out", prediction),
-                None if report.results.len() > used.len() && used.is_empty() && condition.fitted => ("fitted", &result.all[t][c]),
+                None if used.contains(&(t, c)) => ("fitted", &result.all[t][c]),
                 None => ("held out", &result.all[t][c]),
             };
             for (n, quantity) in condition.quantities.iter().enumerate() {
-                let (beyond, linear) = beyond_and_linear(report, &used, (t, c), n);
+                let (beyond, linear) = beyond_and_linear(report, used, (t, c), n);
                 let predicted =
                     prediction.as_ref().map(|values| (values[n].0.value, values[n].1)).map_err(String::clone);
                 lines.push(Line {
@@ -111,7 +110,8 @@ fn scoreboard(report: &Report) -> String {
     let plain = report.results.iter().find(|result| result.law.terms.is_empty()).map(|result| lines(report, result));
     for (k, result) in report.results.iter().enumerate() {
         for (i, line) in lines(report, result).iter().enumerate() {
-            let (value, width) = line.predicted.as_ref().map_or((None, None), |(value, width)| (Some(*value), Some(*width)));
+            let (value, width) =
+                line.predicted.as_ref().map_or((None, None), |(value, width)| (Some(*value), Some(*width)));
             let plain = plain.as_ref().and_then(|plain| plain[i].predicted.as_ref().ok()).map(|(value, _)| *value);
             let inside = line.is_inside().map_or("", |inside| if inside { "yes" } else { "no" });
             let gap = line.predicted.as_ref().err().and_then(|cause| cause.lines().next()).unwrap_or_default();
@@ -146,7 +146,11 @@ fn parameter_table(report: &Report) -> String {
             let deviation = parameter.deviation(place, result.joint.covariance[(p, p)].sqrt());
             let bound = if parameter.is_on_bound(place) { "yes" } else { "" };
             let (name, unit) = (&parameter.name, parameter.unit);
-            text += &format!("{},\"{name}\",{unit},{:.6},{deviation:.6},{bound}\n", result.law.name, parameter.value(place));
+            text += &format!(
+                "{},\"{name}\",{unit},{:.6},{deviation:.6},{bound}\n",
+                result.law.name,
+                parameter.value(place)
+            );
         }
         for (test, scale) in report.tests.iter().zip(&result.joint.scales) {
             text += &format!("{},\"factor of the deviations of {}\",,{scale:.4},,\n", result.law.name, test.name());
@@ -157,7 +161,7 @@ fn parameter_table(report: &Report) -> String {
 
 fn materials_text(report: &Report) -> Result<String> {
     let material = |result: &LawResult| -> Result<IdentifiedMaterial> {
-        let constants = result.law.constants(&result.joint.point, time_of_modulus())?;
+        let constants = result.law.constants(&result.joint.point)?;
         Ok(IdentifiedMaterial {
             name: result.law.name.to_owned(),
             material: result.law.material.to_owned(),
@@ -196,7 +200,11 @@ impl fmt::Display for Report {
         let best = supported(&self.results, &self.tests);
         for (k, result) in self.results.iter().enumerate() {
             let mark = if best == Some(k) { ", supported" } else { "" };
-            writeln!(f, "{}{mark}: loss {:.2}, factors of the deviations {:.2?}", result.law.name, result.joint.loss, result.joint.scales)?;
+            writeln!(
+                f,
+                "{}{mark}: loss {:.2}, factors of the deviations {:.2?}",
+                result.law.name, result.joint.loss, result.joint.scales
+            )?;
             write_parameters(f, self, result)?;
             lines(self, result).iter().try_for_each(|line| write_line(f, line))?;
         }

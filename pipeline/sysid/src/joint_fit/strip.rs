@@ -52,16 +52,11 @@ impl Strip {
     }
 
     fn stress(&self, at: &Place, [strain, time, recorded]: [f64; 3]) -> Result<f64> {
-        let constants = at.law.constants(at.shared, time_of_modulus())?;
+        let constants = at.law.constants(at.shared)?;
         let yielded = if self.page.measured_by == Strain::Crosshead { 1e-6 * at.own[1] * recorded } else { 0.0 };
         let stretch = (1.0 + strain - yielded).max(0.05);
         Ok(at.own[0].exp() * strip_stress(material(at.law.material)?, &constants, (stretch, time)))
     }
-}
-
-/// The time after loading to which moduli belong, s: that of the pages of free vibrations that come with the project.
-pub(super) fn time_of_modulus() -> f64 {
-    3.0
 }
 
 /// The law `name` of `materials`.
