@@ -55,6 +55,14 @@ pub(crate) struct Condition {
     interrupt: Option<Interrupt>,
 }
 
+/// Where the shapes and the points of a reduced model come from.
+pub(crate) enum Basis<'a> {
+    /// They are found, unless it is interrupted.
+    Trained(Option<Interrupt>),
+    /// They are those of another law: shapes of a body under its weight hardly depend on it.
+    Of(&'a Condition),
+}
+
 impl Condition {
     /// Of the case in the file `path`.
     ///
@@ -63,27 +71,26 @@ impl Condition {
     /// interrupted.
     pub fn new(page: &Page, path: &Path, interrupt: Option<Interrupt>) -> Result<Self> {
         // Yeoh's law without its further terms is the neo-Hookean one.
-        Self::of_material(page, path, ("yeoh", None), interrupt)
+        Self::of_material(page, path, "yeoh", Basis::Trained(interrupt))
     }
 
-    /// The same with another law of `materials`: of the shapes and points of `known` where there is one, whose law may be another.
+    /// The same with another law of `materials`.
     ///
     /// # Errors
     /// As [`Condition::new`].
-    pub fn of_material(
-        page: &Page,
-        path: &Path,
-        (material, known): (&str, Option<&Self>),
-        interrupt: Option<Interrupt>,
-    ) -> Result<Self> {
+    pub fn of_material(page: &Page, path: &Path, material: &str, basis: Basis) -> Result<Self> {
+        let interrupt = match &basis {
+            Basis::Trained(interrupt) => interrupt.clone(),
+            Basis::Of(known) => known.interrupt.clone(),
+        };
         let mut case = read(path)?;
         check_case(&case, path)?;
         case.region[0].material = material.to_owned();
         let loaded = load(&case, path.parent().unwrap_or(Path::new(".")))?;
         let body = Body::new(&case, &loaded)?.interruptible(interrupt.clone());
-        let reduced = match known {
-            Some(known) => body.system.restore(&known.reduced.data())?,
-            None => {
+        let reduced = match basis {
+            Basis::Of(known) => body.system.restore(&known.reduced.data())?,
+            Basis::Trained(_) => {
                 let shapes = training_shapes(page, &case, &body)?;
                 let shapes: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
                 body.system.reduce(&shapes, &REDUCTION)?

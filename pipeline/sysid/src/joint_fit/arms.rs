@@ -1,7 +1,6 @@
 //! An inflation test in a joint fit: the place of the tip soon after the step of pressure and at the end of the hold.
 
-use std::path::Path;
-
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::inflated::{Inflated, PRESSURE, Point, Shape};
@@ -10,7 +9,7 @@ use super::test::{Condition, Memory, Place, Predicted, Quantity, Test};
 use crate::inflation_test::page::{Page, Recording};
 use crate::inflation_test::recorded::Recorded;
 use diagnostics::{Diagnostic, Result};
-use simulate::case::{History, read};
+use simulate::case::{Case, History, read};
 
 /// By so much of itself a good model misses a displacement.
 const SIGMA: f64 = 0.04;
@@ -33,23 +32,19 @@ pub(super) struct Arms {
 }
 
 impl Arms {
-    /// Of the page in the file `path`, for these laws of `materials`, on a mesh of edges of `edge` (m); at the further `pressures` (Pa), that
-    /// were not recorded, the tip is predicted.
+    /// Of the page in the file `path`, for these laws of `materials`; the page of the joint fit gives the edge of the mesh and further pressures
+    /// that were not recorded.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the page, a recording, the case or its mesh is refused.
-    pub fn new(path: &Path, root: &Path, (materials, edge, pressures): (&[&'static str], f64, &[f64])) -> Result<Self> {
+    pub fn new(path: &Path, root: &Path, materials: &[&'static str], joint: &super::Page) -> Result<Self> {
         let page = Page::read(path)?;
         let folder = path.parent().unwrap_or(Path::new("."));
         let mut case = read(&folder.join(&page.case))?;
         if case.mesh.body.is_some() {
-            case.mesh.edge = Some(edge);
+            case.mesh.edge = Some(joint.edge);
         }
-        let folders = page.folders.iter().map(|folder| root.join(folder)).chain([folder.to_owned()]);
-        let place = folders.into_iter().find(|folder| folder.join(case.mesh.name()).is_file()).ok_or_else(|| {
-            let message = format!("the surface {} is not there", case.mesh.name());
-            Diagnostic::new(message, "none of the page's folders has it", "put it into one of the page's folders")
-        })?;
+        let place = mesh_folder(&page, &case, [root, folder])?;
         let loaded = simulate::load(&case, &place)?;
         let body = |material: &&'static str| {
             let mut case = case.clone();
@@ -64,7 +59,7 @@ impl Arms {
             let features = Recorded::read(&page, recording, root)?.features;
             conditions.push(condition(recording, Some([features.early, features.late]))?);
         }
-        for pressure in pressures {
+        for pressure in &joint.pressures {
             let mut further = page.recording[0].clone();
             further.name = format!("{:.0}mbar", 1e-2 * pressure);
             further.pressure = History::Constant(*pressure);
@@ -88,6 +83,15 @@ impl Arms {
         };
         Ok([point(early), point(late)])
     }
+}
+
+/// The folder that holds the surface or mesh of the case: one of the page's, below `root`, or that of the page.
+fn mesh_folder(page: &Page, case: &Case, [root, beside]: [&Path; 2]) -> Result<PathBuf> {
+    let mut folders = page.folders.iter().map(|folder| root.join(folder)).chain([beside.to_owned()]);
+    folders.find(|folder| folder.join(case.mesh.name()).is_file()).ok_or_else(|| {
+        let message = format!("the surface {} is not there", case.mesh.name());
+        Diagnostic::new(message, "none of the page's folders has it", "put it into one of the page's folders")
+    })
 }
 
 fn held(recording: &Recording) -> Option<f64> {

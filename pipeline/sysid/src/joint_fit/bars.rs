@@ -7,7 +7,7 @@ use si::Series;
 
 use super::parameters::Parameter;
 use super::test::{Condition, Memory, Place, Predicted, Quantity, Test};
-use crate::free_vibration::condition::{self, times};
+use crate::free_vibration::condition::{self, Basis, times};
 use crate::free_vibration::features::{Features, NAMES};
 use crate::free_vibration::fitting::interpolated;
 use crate::free_vibration::page::Page;
@@ -45,24 +45,12 @@ impl Bars {
         let page = Page::read(path)?;
         let recorded = recorded::read(&page, root)?;
         let folder = path.parent().unwrap_or(Path::new("."));
-        let mut cases: Vec<String> = Vec::new();
-        let mut members: Vec<Vec<usize>> = Vec::new();
-        for (k, recording) in page.recording.iter().enumerate() {
-            let case = recording.case.as_ref().unwrap_or(&page.case);
-            match cases.iter().position(|known| known == case) {
-                Some(condition) => members[condition].push(k),
-                None => {
-                    cases.push(case.clone());
-                    members.push(vec![k]);
-                }
-            }
-        }
+        let (cases, members) = recordings_by_case(&page);
         let models = |case: &String| -> Result<Vec<(&'static str, condition::Condition)>> {
             let file = folder.join(case);
             let trained = condition::Condition::new(&page, &file, None)?;
             let with = |material: &&'static str| {
-                let model = condition::Condition::of_material(&page, &file, (material, Some(&trained)), None)?;
-                Ok((*material, model))
+                Ok((*material, condition::Condition::of_material(&page, &file, material, Basis::Of(&trained))?))
             };
             materials.iter().map(with).collect()
         };
@@ -86,6 +74,22 @@ impl Bars {
     }
 }
 
+/// The different cases of a page, with the numbers of their recordings.
+fn recordings_by_case(page: &Page) -> (Vec<String>, Vec<Vec<usize>>) {
+    let (mut cases, mut members): (Vec<String>, Vec<Vec<usize>>) = (Vec::new(), Vec::new());
+    for (k, recording) in page.recording.iter().enumerate() {
+        let case = recording.case.as_ref().unwrap_or(&page.case);
+        match cases.iter().position(|known| known == case) {
+            Some(condition) => members[condition].push(k),
+            None => {
+                cases.push(case.clone());
+                members.push(vec![k]);
+            }
+        }
+    }
+    (cases, members)
+}
+
 fn measured_condition(page: &Page, recorded: &[Recorded], members: &[usize]) -> Result<Condition> {
     let mut quantities = Vec::new();
     for &k in members {
@@ -98,7 +102,9 @@ fn measured_condition(page: &Page, recorded: &[Recorded], members: &[usize]) -> 
     let first = members.first().copied().unwrap_or_default();
     let name = page.recording[first].name().trim_end_matches(['_', 'a', 'b', 'c']).to_owned();
     let level = quantities[1].measured.unwrap_or_default().abs();
-    Ok(Condition { name, level, fitted: true, quantities })
+    // repeats that a page holds out of its own fits are data of the same condition; one of which nothing is fitted is predicted
+    let fitted = members.iter().any(|k| page.recording[*k].fitted);
+    Ok(Condition { name, level, fitted, quantities })
 }
 
 impl Test for Bars {

@@ -10,7 +10,7 @@ use optimize::{Bounds, Evaluation, Needs, OptimiseError, Problem, Residuals, min
 use super::laws::Law;
 use super::parameters::Parameter;
 use super::test::{Memory, Place, Predicted, Test};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::Result;
 
 /// Rounds in which the deviations of tests are found.
 const ROUNDS: usize = 2;
@@ -18,6 +18,9 @@ const ROUNDS: usize = 2;
 const EVALUATIONS: usize = 12;
 const STEP: f64 = 2e-3;
 const FALL: f64 = 2e-2;
+/// Steps of ln E with which a first point is found at which every test can be evaluated.
+const STIFFENING: f64 = 0.25;
+const STIFFENINGS: usize = 6;
 /// The farthest that a parameter moves in a step, as a part of its range.
 const LONGEST: f64 = 0.15;
 
@@ -129,7 +132,7 @@ impl Fit<'_> {
     /// A diagnostic when nothing can be evaluated at the start.
     pub fn run(&self, start: Start, used: &[Which]) -> Result<Fitted> {
         let Start { mut point, mut scales, mut memory, rounds } = start;
-        let mut evaluations = 0;
+        let mut evaluations = self.stiffen((&mut point, &scales), used, &mut memory)?;
         for _ in 0..rounds {
             let (next, count) = self.minimise((&point, &scales), used, &mut memory)?;
             (point, evaluations) = (next, evaluations + count);
@@ -139,6 +142,21 @@ impl Fit<'_> {
         let (residuals, _) = self.residuals((&point, &scales), used, &mut memory)?;
         let covariance = self.covariance(&residuals, point.len());
         Ok(Fitted { covariance, loss: residuals.half_sum_of_squares(), point, scales, evaluations, memory })
+    }
+
+    /// Raises E until everything can be evaluated: walls of a law that is too soft balloon. Returns the evaluations that it took.
+    ///
+    /// # Errors
+    /// The diagnostic of the stiffest body that was tried.
+    fn stiffen(&self, (point, scales): (&mut [f64], &[f64]), used: &[Which], memory: &mut Memory) -> Result<usize> {
+        for count in 0..STIFFENINGS {
+            match self.residuals((point, scales), used, memory) {
+                Ok(_) => return Ok(count),
+                Err(error) if count + 1 == STIFFENINGS => return Err(error),
+                Err(_) => point[0] += STIFFENING,
+            }
+        }
+        Ok(STIFFENINGS)
     }
 
     /// The minimum from a point on, and the evaluations that it took.
@@ -167,14 +185,6 @@ impl Fit<'_> {
             Ok(batch.iter().map(|point| self.evaluation((point, scales), used, memory)).collect())
         };
         let best = minimise(&mut optimiser, &mut evaluate)?.best;
-        if best.loss.is_infinite() {
-            let message = format!("{} cannot be evaluated where its fit begins", self.law.name);
-            return Err(Diagnostic::new(
-                message,
-                "a wall balloons there, or a motion is not found",
-                "leave this law out",
-            ));
-        }
         Ok((best.at, count))
     }
 

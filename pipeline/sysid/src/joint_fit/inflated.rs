@@ -23,6 +23,8 @@ pub(super) type Point = [f64; 5];
 const WALL: usize = 3;
 pub(super) const PRESSURE: usize = 4;
 
+/// The first step of a path, in changes over which a linear prediction holds.
+const FAR: f64 = 5.0;
 /// Least step of a path, as a part of it.
 const LEAST_STEP: f64 = 0.01;
 /// Newton iterations of a warm start: those that converge need four to eight.
@@ -56,6 +58,10 @@ pub(super) struct Shape {
 }
 
 impl Inflated {
+    /// Of the case, meshed already.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the case and its mesh do not match, or a marker stands on no body.
     pub fn new(page: &Page, case: &Case, loaded: &Loaded) -> Result<Self> {
         let body = Body::new(case, loaded)?;
         let velocity = wall_offset(&loaded.solid, |on, _| matches!(on, Skin::Chamber(_)));
@@ -85,23 +91,22 @@ impl Inflated {
 
     /// The equilibrium at `point`, followed from the nearest of `known` in steps that are halved where Newton's method fails; of none, from
     /// rest.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] where the path has no further equilibrium nearby, as where a wall balloons.
     pub fn shape(&self, point: &Point, known: &[Arc<Shape>]) -> Result<Shape> {
+        // changes over which a linear prediction holds
         let scale = [0.1 * point[0], 0.3, 0.3, 1e-4, 2e3];
         let distance = |shape: &Shape| (0..5).map(|k| ((shape.at[k] - point[k]) / scale[k]).powi(2)).sum::<f64>();
         let nearest = known.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let mut last = match nearest {
             Some(shape) => Shape::clone(shape),
-            None => {
-                let rest = [point[0], point[1], point[2], point[WALL], 0.0];
-                let mut solver = self.solver(&rest)?;
-                let found = solver.equilibrium(&self.pressures(0.0), None, &StaticSettings::default())?;
-                self.linearised(&mut solver, &rest, found)?
-            }
+            None => self.without_pressure(point)?,
         };
         let settings = StaticSettings { max_iterations: ITERATIONS, ..StaticSettings::default() };
         let (start, mut part, mut step) = (last.at, 0.0, 1.0_f64);
-        if distance(&last) > 25.0 {
-            step = 5.0 / distance(&last).sqrt();
+        if distance(&last) > FAR * FAR {
+            step = FAR / distance(&last).sqrt();
         }
         while part < 1.0 {
             let next = (part + step).min(1.0);
@@ -120,6 +125,15 @@ impl Inflated {
             }
         }
         Ok(last)
+    }
+
+    /// Under its weight alone.
+    fn without_pressure(&self, point: &Point) -> Result<Shape> {
+        let mut rest = *point;
+        rest[PRESSURE] = 0.0;
+        let mut solver = self.solver(&rest)?;
+        let found = solver.equilibrium(&self.pressures(0.0), None, &StaticSettings::default())?;
+        self.linearised(&mut solver, &rest, found)
     }
 
     fn linearised(&self, solver: &mut Solver, point: &Point, found: Equilibrium) -> Result<Shape> {

@@ -102,7 +102,8 @@ impl Bench<'_> {
 }
 
 /// The quantities of a condition with the half widths of their intervals.
-fn prediction(fit: &Fit, fitted: &Fitted, (t, c): Which, memory: &mut super::test::Memory) -> Prediction {
+fn prediction(fit: &Fit, fitted: &Fitted, which: Which, memory: &mut super::test::Memory) -> Prediction {
+    let (t, c) = which;
     let predicted = fit.predict(&fitted.point, (t, c), memory).map_err(|error| error.to_string())?;
     let quantities = &fit.tests[t].conditions()[c].quantities;
     let with_width = |(predicted, quantity): (Predicted, &super::test::Quantity)| {

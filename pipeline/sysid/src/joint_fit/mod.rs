@@ -77,7 +77,7 @@ fn evaluate(page: Page, root: &Path, path: &Path) -> Result<Report> {
     let open = |file: &PathBuf| -> Result<Box<dyn Test>> {
         let file = folder.join(file);
         Ok(match page::kind(&file)?.as_str() {
-            "inflation" => Box::new(Arms::new(&file, root, (&materials, page.edge, &page.pressures))?),
+            "inflation" => Box::new(Arms::new(&file, root, &materials, &page)?),
             "tension" => Box::new(Strip::new(&file, root)?),
             _ => Box::new(Bars::new(&file, root, &materials)?),
         })

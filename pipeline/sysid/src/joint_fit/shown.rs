@@ -55,7 +55,8 @@ impl Line {
 }
 
 /// Whether a level lies beyond those of the other conditions of its test that are fitted; and the quantity `n` in proportion to the level.
-fn beyond_and_linear(report: &Report, used: &[Which], (t, c): Which, n: usize) -> (bool, Option<f64>) {
+fn beyond_and_linear(report: &Report, used: &[Which], which: Which, n: usize) -> (bool, Option<f64>) {
+    let (t, c) = which;
     let conditions = report.tests[t].conditions();
     let others: Vec<&Condition> =
         used.iter().filter(|which| which.0 == t && which.1 != c).map(|which| &conditions[which.1]).collect();
