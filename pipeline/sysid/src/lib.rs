@@ -5,7 +5,7 @@
 //! coordinates ([`ReducedBody`]), in which motions are integrated, such as those under measured pressures
 //! ([`actuated`]). [`surfaces`] are those of a mesh for figures, [`silhouette`]s those of a tail as a camera sees it.
 //! [`relaxation`] identifies the spectrum of the silicone from
-//! transients, [`estimate`]s stand beside what they estimate, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
+//! transients; a [`joint_fit`] shares a material between free vibration, inflation and tensile tests; [`estimate`]s stand beside what they estimate, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
 //! the material that another test identified.
 //!
 //! ```
@@ -80,4 +80,3 @@ pub use snapshots::{Reduction, Snapshots};
 pub use stiffening::{Stiffened, StiffeningProblem, residuals_of};
 pub use time_steps::TimeSteps;
 pub use trained_box::{TimedSearch, TrainedBox};
-pub use wall_offset::wall_offset;

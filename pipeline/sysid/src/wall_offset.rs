@@ -31,7 +31,7 @@ struct Held {
 
 /// The velocity of every node (3 entries per node, m per m of offset) where the faces of the skin that `is_offset` names by what they touch
 /// and their centre (m) move out of the solid along their normals, so that the solid grows. Nodes of walls that are all at rest do not move.
-pub fn wall_offset(solid: &Solid, is_offset: impl Fn(Skin, Point3) -> bool) -> Vec<f64> {
+pub(crate) fn wall_offset(solid: &Solid, is_offset: impl Fn(Skin, Point3) -> bool) -> Vec<f64> {
     let held = held_nodes(solid, is_offset);
     let edges = corner_edges(solid);
     let field = Smoothing::new(solid, &held, &edges).solve();

@@ -12,7 +12,7 @@ use si::{Metre, Pascal, Point3};
 
 use crate::inflation_test::body::{Carried, carried_markers, mean_marker_displacement};
 use crate::inflation_test::page::Page;
-use crate::wall_offset;
+use crate::wall_offset::wall_offset;
 use diagnostics::{Diagnostic, Result};
 use simulate::case::Case;
 use simulate::{Body, Loaded};

@@ -24,7 +24,7 @@ use diagnostics::{Diagnostic, Result, output};
 use arms::Arms;
 use bars::Bars;
 use ladder::{Bench, LawResult};
-pub use page::Page;
+use page::Page;
 use strip::Strip;
 use test::Test;
 
@@ -97,4 +97,55 @@ fn evaluate(page: Page, root: &Path, path: &Path) -> Result<Report> {
         return Err(Diagnostic::new("no law can be fitted", cause, "correct the pages of its tests"));
     }
     Ok(Report { page, tests, results, refused })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAGE: &str = r#"
+test = "tension"
+name = "strip"
+folders = ["."]
+files = ["strip.csv"]
+time = "t"
+strain = "e"
+stress = "s"
+stress_unit = 1e3
+measured_by = "crosshead"
+fitted = [0.05, 1.0]
+predicted = [1.4]
+batch_sigma = 1e-3
+"#;
+
+    /// A strip that a law and a machine of known compliance made: its stress beyond what was fitted is predicted.
+    #[test]
+    fn a_strip_comes_back_with_the_compliance_of_its_machine() {
+        let folder = std::env::temp_dir().join(format!("strip-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let law = laws::LAWS.iter().find(|law| law.name == "yeoh_c20").unwrap();
+        let (modulus, compliance) = (2.4e5_f64, 2.5e-6);
+        let constants = law.constants(&[modulus.ln(), 0.05_f64.ln(), 0.25, 1.0, 0.4]).unwrap();
+        let material = strip::material(law.material).unwrap();
+        let row = |k: i32| {
+            let (time, stretch) = (0.05 * f64::from(k), 1.0 + 0.01 * f64::from(k));
+            let stress = tension::strip_stress(material, &constants, (stretch, time));
+            format!("{time},{},{}\n", stretch - 1.0 + compliance * stress, 1e-3 * stress)
+        };
+        let csv = "Machine,7\nt,e,s\n".to_owned() + &(1..200).map(row).collect::<String>();
+        std::fs::write(folder.join("strip.csv"), csv).unwrap();
+        std::fs::write(folder.join("page.toml"), PAGE).unwrap();
+        let (report, out) = run(&folder, &folder.join("page.toml"), Some(&folder.join("out"))).unwrap();
+        let result = report.results.iter().find(|result| result.law.name == law.name).unwrap();
+        let point = &result.joint.point;
+        assert!((point[6] / 2.5 - 1.0).abs() < 0.05, "{point:?}");
+        assert!((point[0].exp() / modulus - 1.0).abs() < 0.05, "{point:?}");
+        let beyond = report.tests[0].conditions()[1].quantities[0].measured.unwrap();
+        let (predicted, width) = &result.all[0][1].as_ref().unwrap()[0];
+        assert!((predicted.value / beyond - 1.0).abs() < 0.02 && (predicted.value - beyond).abs() < *width);
+        let text = report.to_string();
+        assert!(text.contains("extrapolated") && text.contains("held out"), "{text}");
+        assert!(["real_strip.csv", "real_strip_materials.toml", "metrics.json"].iter().all(|f| out.join(f).is_file()));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -13,7 +13,7 @@ use super::laws::{LAWS, Law};
 /// The contents of a page.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Page {
+pub(super) struct Page {
     /// `joint`.
     pub test: String,
     /// Name of the results.
@@ -38,7 +38,7 @@ impl Page {
     ///
     /// # Errors
     /// A [`Diagnostic`] when it cannot be read, has an unknown or missing key, or names no test or no law.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path) -> Result<Self> {
         let text = input::read_text(path, input::PAGE).map_err(|e| Diagnostic::io(path, e, "name a page of TOML"))?;
         Self::parse(&text, path)
     }
@@ -47,7 +47,7 @@ impl Page {
     ///
     /// # Errors
     /// As [`Page::read`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+    pub(super) fn parse(text: &str, path: &Path) -> Result<Self> {
         table::parse(text, path, "pipeline/sysid/examples/real has a page with every key", Self::check)
     }
 
@@ -91,7 +91,7 @@ mod tests {
         assert_eq!(page.laws().len(), page.laws.len());
         for (from, to, expected) in [
             ("edge = ", "edges = ", "edges"),
-            ("\"yeoh\"", "\"yoeh\"", "there is no law"),
+            ("\"yeoh_c20\"", "\"yoeh\"", "there is no law"),
             ("edge = 0", "edge = 8", "out of range"),
         ] {
             assert!(PAGE.contains(from), "{from}");

@@ -16,7 +16,7 @@ use crate::free_vibration::recorded::find;
 /// How a machine measures strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Strain {
+pub(super) enum Strain {
     /// By its crosshead: grips and ends of the strip yield as well.
     Crosshead,
     /// On the strip.
@@ -26,7 +26,7 @@ pub enum Strain {
 /// The page of a tensile test.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Page {
+pub(super) struct Page {
     /// `tension`.
     pub test: String,
     /// Name of the results.
@@ -66,7 +66,7 @@ impl Page {
     ///
     /// # Errors
     /// A [`Diagnostic`] when it cannot be read, a key is unknown or missing, or a number is out of range.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path) -> Result<Self> {
         let text = input::read_text(path, input::PAGE).map_err(|e| Diagnostic::io(path, e, "name a page of TOML"))?;
         lab::table::parse(&text, path, "pipeline/sysid/examples/real has a page with every key", Self::check)
     }
@@ -198,5 +198,50 @@ mod tests {
                 assert!((large / should - 1.0).abs() < 1e-3, "{large} {should}");
             }
         }
+    }
+
+    /// A bar of finite elements on rollers, pulled by a dead load, is as long as the closed form says.
+    #[test]
+    fn a_bar_of_finite_elements_has_the_stress_of_the_closed_form() {
+        use fem::{Clamps, Forces, RegionProperties, StaticSettings, System, box_mesh};
+        let [length, width, depth] = [0.03, 0.006, 0.003];
+        let mesh = box_mesh::quadratic([length, width, depth], [2, 1, 1]);
+        let mut clamps = Clamps::none();
+        for (node, at) in mesh.nodes.iter().enumerate() {
+            clamps.constrain(node as u32, at.map(|x| x.abs() < 1e-12));
+        }
+        let law = LAWS.iter().find(|law| law.name == "ogden").unwrap();
+        let point = [2e5_f64.ln(), 1e-4_f64.ln(), 0.3, 0.0, 0.2, 0.1];
+        let constants = law.constants(&point).unwrap();
+        let material = fem::materials::by_name(law.material).unwrap();
+        let region = RegionProperties {
+            stiffening: constants.stiffening,
+            ..RegionProperties::elastic(material, constants.youngs_modulus, 0.4995, 1e3)
+        };
+        let system = System::new(mesh, vec![region], clamps).unwrap();
+        let mesh = system.mesh();
+        let is_end = |node: &usize| (mesh.nodes[*node][0] - length).abs() < 1e-12;
+        let pull = 6e4;
+        // on a face of four triangles of second order, a uniform traction acts on the middles of edges alone
+        let mut forces = Forces::none(mesh);
+        let corners: Vec<usize> = (0..mesh.nodes.len()).filter(is_end).collect();
+        for face in end_faces(mesh, &corners) {
+            forces = forces.on_face(&face, [pull, 0.0, 0.0]).unwrap();
+        }
+        let mut solver = system.solver();
+        solver.set_forces(forces.as_slice()).unwrap();
+        let at = solver.equilibrium(&[], None, &StaticSettings::default()).unwrap();
+        let stretch = 1.0 + at.displacement[3 * corners[0]] / length;
+        assert!(stretch > 1.3, "{stretch}");
+        let closed = strip_stress(material, &constants, (stretch, 1e4));
+        assert!((closed / pull - 1.0).abs() < 5e-3, "{closed} {stretch}");
+    }
+
+    /// The sides of elements whose six nodes all lie among `nodes`.
+    fn end_faces(mesh: &fem::Mesh, nodes: &[usize]) -> Vec<[u32; 6]> {
+        const SIDES: [[usize; 6]; 4] = [[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 2, 3, 6, 9, 7]];
+        let elements = (0..mesh.elements.len()).map(|element| mesh.elements.nodes(element));
+        let sides = elements.flat_map(|element| SIDES.map(|side| side.map(|k| element[k])));
+        sides.filter(|side| side.iter().all(|node| nodes.contains(&(*node as usize)))).collect()
     }
 }
