@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 /// The power 2 is Yeoh's term of a strip that stiffens. A power b far below zero acts up to x of about 3/(1 − b) and saturates: the modulus goes
 /// from μ at rest to μ − 2 C₃₀. The members of the family differ in b alone: a fit tries each, so that the energy stays linear in all moduli.
 #[derive(Debug)]
-pub struct PowerPair {
+pub(crate) struct PowerPair {
     /// On a card.
     pub name: &'static str,
     /// b.
@@ -17,11 +17,11 @@ pub struct PowerPair {
 }
 
 /// Up to x = 0.5: strains of 40 %.
-pub const MODERATE: PowerPair = PowerPair { name: "lopez_pamies_m5", soft: -5.0 };
+pub(crate) const MODERATE: PowerPair = PowerPair { name: "lopez_pamies_m5", soft: -5.0 };
 /// Up to x = 0.2: strains of 25 %.
-pub const STEEP: PowerPair = PowerPair { name: "lopez_pamies_m15", soft: -15.0 };
+pub(crate) const STEEP: PowerPair = PowerPair { name: "lopez_pamies_m15", soft: -15.0 };
 /// Up to x = 0.05: strains of 13 %.
-pub const STEEPEST: PowerPair = PowerPair { name: "lopez_pamies_m60", soft: -60.0 };
+pub(crate) const STEEPEST: PowerPair = PowerPair { name: "lopez_pamies_m60", soft: -60.0 };
 
 impl PowerPair {
     /// Both powers hₐ(x) − x, weighted by C₂₀ and C₃₀, with their first and second derivative.

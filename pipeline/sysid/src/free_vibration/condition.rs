@@ -78,7 +78,7 @@ impl Condition {
     ///
     /// # Errors
     /// As [`Condition::new`].
-    pub fn of_material(page: &Page, path: &Path, material: &str, basis: Basis) -> Result<Self> {
+    pub(crate) fn of_material(page: &Page, path: &Path, material: &str, basis: Basis) -> Result<Self> {
         let interrupt = match &basis {
             Basis::Trained(interrupt) => interrupt.clone(),
             Basis::Of(known) => known.interrupt.clone(),

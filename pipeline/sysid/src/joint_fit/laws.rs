@@ -139,7 +139,7 @@ impl Constants {
 
     /// E (Pa) and the coefficients over C₁₀ of the elastic body that has this material's stress a time after a step: the part of μ alone
     /// relaxes, and of λ, which hardly matters near incompressibility, it is taken to relax as well.
-    pub fn isochronous(&self, time: Second) -> (Pascal, [f64; 2]) {
+    pub(super) fn isochronous(&self, time: Second) -> (Pascal, [f64; 2]) {
         let modulus = self.relaxation.modulus(time);
         (self.youngs_modulus * modulus, self.stiffening.map(|ratio| ratio / modulus))
     }

@@ -16,7 +16,7 @@ pub(super) struct Parameter {
 
 impl Parameter {
     /// Searched by its logarithm.
-    pub fn logarithmic(name: &str, unit: &'static str, start: f64, range: [f64; 2]) -> Self {
+    pub(super) fn logarithmic(name: &str, unit: &'static str, start: f64, range: [f64; 2]) -> Self {
         let (start, range) = (start.ln(), range.map(f64::ln));
         Self { name: name.to_owned(), unit, start, range, logarithmic: true, prior: None }
     }
@@ -27,13 +27,13 @@ impl Parameter {
     }
 
     /// With a prior about its start, of the standard deviation `sigma` in the unit of the search.
-    pub fn known_to(self, sigma: f64) -> Self {
+    pub(super) fn known_to(self, sigma: f64) -> Self {
         Self { prior: Some([self.start, sigma]), ..self }
     }
 
     /// Mean and standard deviation beforehand: where nothing is known, as wide as its range, so that a direction that no test determines stays
     /// finite.
-    pub fn knowledge(&self) -> [f64; 2] {
+    pub(super) fn knowledge(&self) -> [f64; 2] {
         let width = self.range[1] - self.range[0];
         // beside the start, where its gradient would be zero, which the search takes for a mistake
         self.prior.unwrap_or([self.start + 1e-6 * width, width])
@@ -50,7 +50,7 @@ impl Parameter {
     }
 
     /// Whether a place of the search lies on an end of the range.
-    pub fn is_on_bound(&self, place: f64) -> bool {
+    pub(super) fn is_on_bound(&self, place: f64) -> bool {
         let [low, high] = self.range;
         (place - low).min(high - place) < 1e-4 * (high - low)
     }

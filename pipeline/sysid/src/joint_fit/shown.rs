@@ -61,9 +61,10 @@ fn beyond_and_linear(report: &Report, used: &[Which], which: Which, n: usize) ->
     let others: Vec<&Condition> =
         used.iter().filter(|which| which.0 == t && which.1 != c).map(|which| &conditions[which.1]).collect();
     let level = conditions[c].level;
-    let fitted_alone = others.is_empty() && used.contains(&(t, c));
-    let beyond = !fitted_alone && others.iter().all(|other| other.level < level)
-        || !fitted_alone && others.iter().all(|other| other.level > level);
+    // a condition that is fitted alone lies within itself
+    let is_alone = others.is_empty() && used.contains(&which);
+    let beyond =
+        !is_alone && (others.iter().all(|other| other.level < level) || others.iter().all(|other| other.level > level));
     let pairs: Vec<(f64, f64)> =
         others.iter().filter_map(|other| Some((other.level, other.quantities.get(n)?.measured?))).collect();
     let products: f64 = pairs.iter().map(|(level, value)| level * value).sum();
