@@ -143,7 +143,10 @@ fn run_command(cli: &Cli) -> Result<bool> {
         }
         Command::Fit { page, out } => {
             let page = sysid::free_vibration::page(&cli.place.root, page);
-            if sysid::inflation_test::is_page(&page) {
+            if sysid::joint_fit::is_page(&page) {
+                let (report, folder) = sysid::joint_fit::run(&cli.place.root, &page, out.as_deref())?;
+                output::line(format_args!("{report}results: {}", folder.display()));
+            } else if sysid::inflation_test::is_page(&page) {
                 let (report, folder) = sysid::inflation_test::run(&cli.place.root, &page, out.as_deref())?;
                 output::line(format_args!("{report}results: {}", folder.display()));
             } else {

@@ -271,6 +271,30 @@ impl Solver {
     ) -> Result<Vec<f64>, SolveError> {
         self.state.equilibrium_sensitivity_along(at, direction)
     }
+
+    /// du/dw at the equilibrium `at` where the nodes of the undeformed mesh move by w `velocity` (3 entries per node): 3 entries per node, m per
+    /// unit of w.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the equilibrium is not stable, a list has the wrong length, or the body has contact, mean dilatation or a sealed
+    /// chamber.
+    pub fn shape_sensitivity(&mut self, at: &Equilibrium, velocity: &[f64]) -> Result<Vec<f64>, SolveError> {
+        self.state.shape_sensitivity(at, velocity)
+    }
+
+    /// ∂L/∂w along each of `velocities` by the adjoint method, from `dloss_du` = ∂L/∂u at the equilibrium `at`; what L depends on the places of
+    /// the nodes themselves is not part of it.
+    ///
+    /// # Errors
+    /// As [`Solver::shape_sensitivity`].
+    pub fn shape_gradient(
+        &mut self,
+        at: &Equilibrium,
+        dloss_du: &[f64],
+        velocities: &[&[f64]],
+    ) -> Result<Vec<f64>, SolveError> {
+        self.state.shape_gradient(at, dloss_du, velocities)
+    }
 }
 
 /// Dynamics.

@@ -3,6 +3,7 @@
 //! Reference geometry, mass, chambers, sparsity, elimination order and symbolic factorisation are computed once and
 //! shared by all solvers on all threads.
 
+use crate::adjoint::shape::moved_nodes;
 use crate::assembly::mass::{Mass, MassAssembly, ShapeProducts};
 use crate::assembly::reference::{ReferenceElements, SHEAR_SHARE};
 use crate::contact::SelfContact;
@@ -106,6 +107,33 @@ impl System {
     #[must_use]
     pub fn without_contact(&self) -> Self {
         Self { data: Arc::new(SystemData { contact: None, ..SystemData::clone(&self.data) }) }
+    }
+
+    /// The same body with its nodes moved by `part` times `velocity` (3 entries per node) before any load: sparsity, elimination order and symbolic
+    /// factorisation are kept.
+    ///
+    /// # Errors
+    /// [`SetupError`] when an element or a chamber is inverted.
+    ///
+    /// # Panics
+    /// When the velocity does not have 3 entries per node.
+    pub fn morphed(&self, velocity: &[f64], part: f64) -> Result<Self, SetupError> {
+        assert_eq!(velocity.len(), self.data.full_length(), "a velocity has 3 entries per node");
+        let mut data = SystemData::clone(&self.data);
+        data.mesh.nodes = moved_nodes(&self.data.mesh.nodes, velocity, part);
+        let mesh = &data.mesh;
+        let shear_share = data.options.shear_share.unwrap_or(SHEAR_SHARE);
+        data.reference = ReferenceElements::new(mesh, shear_share);
+        let graph = mesh.graph();
+        validation::check_elements(mesh, &data.reference, &graph)?;
+        data.chambers = chamber_pressures(mesh, &graph)?;
+        data.volumes = region_volumes(mesh, &data.reference, data.regions.len());
+        data.products = ShapeProducts::new(mesh, data.options.lumped_mass);
+        data.contact = data.options.contact.map(|contact| Arc::new(SelfContact::new(mesh, contact)));
+        data.size = mesh.size();
+        let densities: Vec<f64> = data.regions.iter().map(|region| region.density).collect();
+        data.mass = Arc::new(Mass::new(&data.mass_assembly(), &densities, &data.options.masses));
+        Ok(Self { data: Arc::new(data) })
     }
 
     /// Whether walls repel each other at `displacement` (3 per node, m); never in a body without contact.

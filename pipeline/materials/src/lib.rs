@@ -24,6 +24,8 @@ mod linear;
 mod lopez_pamies;
 pub mod material;
 mod neo_hookean;
+mod ogden;
+mod power_pair;
 pub mod relaxation;
 pub mod step;
 mod stretch;
@@ -41,8 +43,17 @@ pub use material::{Material, Moduli};
 pub use relaxation::{Branch, MAX_BRANCHES, Relaxation, RelaxationError, Springpot};
 
 /// All laws. The conformance tests run on each.
-pub const ALL: &[&dyn Material] =
-    &[&corotated::Corotated, &neo_hookean::NeoHookean, &yeoh::Yeoh, &lopez_pamies::LopezPamies, &linear::Linear];
+pub const ALL: &[&dyn Material] = &[
+    &corotated::Corotated,
+    &neo_hookean::NeoHookean,
+    &yeoh::Yeoh,
+    &lopez_pamies::LopezPamies,
+    &power_pair::MODERATE,
+    &power_pair::STEEP,
+    &power_pair::STEEPEST,
+    &ogden::Ogden,
+    &linear::Linear,
+];
 
 /// The law called `name`, as cards and cases write it.
 pub fn by_name(name: &str) -> Option<&'static dyn Material> {

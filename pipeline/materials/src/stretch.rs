@@ -4,9 +4,6 @@ use crate::material::{Moduli, Response};
 use crate::neo_hookean::{Volume, inverted};
 use nalgebra::{Matrix3, SVector};
 
-/// s with its first and second derivative, from C₂₀ and C₃₀ (Pa) and x.
-pub(crate) type Series = fn([f64; 2], f64) -> [f64; 3];
-
 /// x.
 #[allow(non_snake_case)]
 fn stretch(F: &Matrix3<f64>, volume: &Volume) -> f64 {
@@ -20,7 +17,13 @@ fn secant(moduli: Moduli, slope: f64) -> Moduli {
 
 /// ψ and P.
 #[allow(non_snake_case)]
-pub(crate) fn stress(F: &Matrix3<f64>, moduli: Moduli, series: Series) -> (f64, Matrix3<f64>) {
+///
+/// `series`: s with its first and second derivative, from C₂₀ and C₃₀ (Pa) and x.
+pub(crate) fn stress(
+    F: &Matrix3<f64>,
+    moduli: Moduli,
+    series: impl Fn([f64; 2], f64) -> [f64; 3],
+) -> (f64, Matrix3<f64>) {
     let Some(volume) = Volume::of(F) else { return (f64::INFINITY, Matrix3::zeros()) };
     let x = stretch(F, &volume);
     let [added, slope, _] = series(moduli.stiffening, x);
@@ -30,7 +33,7 @@ pub(crate) fn stress(F: &Matrix3<f64>, moduli: Moduli, series: Series) -> (f64, 
 
 /// ψ, P and ∂P/∂F: that of the neo-Hookean law of the same stress, and s″ X ⊗ X with X = ∂x/∂F = 2 (F − F⁻ᵀ).
 #[allow(non_snake_case)]
-pub(crate) fn response(F: &Matrix3<f64>, moduli: Moduli, series: Series) -> Response {
+pub(crate) fn response(F: &Matrix3<f64>, moduli: Moduli, series: impl Fn([f64; 2], f64) -> [f64; 3]) -> Response {
     let Some(volume) = Volume::of(F) else { return inverted() };
     let x = stretch(F, &volume);
     let [added, slope, curvature] = series(moduli.stiffening, x);

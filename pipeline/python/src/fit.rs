@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use sysid::free_vibration::{FittedLaw, page, run};
-use sysid::inflation_test;
+use sysid::{inflation_test, joint_fit};
 
 use crate::case::case_exception;
 use crate::errors::input_error;
@@ -23,6 +23,10 @@ pub(crate) fn fit(
     out: Option<PathBuf>,
 ) -> PyResult<(String, PathBuf, Vec<Law>)> {
     let path = page(&root, &asked);
+    if joint_fit::is_page(&path) {
+        let what = format!("{} is the page of a tensile test or of a joint fit", path.display());
+        return Err(refused(what, "laws are fitted to free vibrations", "run study fit on it, or name another page"));
+    }
     if inflation_test::is_page(&path) {
         let message = format!("{} is the page of an inflation test", path.display());
         return Err(input_error(

@@ -24,6 +24,9 @@ pub struct IdentifiedMaterials {
 pub struct IdentifiedMaterial {
     /// Its name.
     pub name: String,
+    /// The law of elasticity in `materials`, of which the coefficients are.
+    #[serde(default = "yeoh")]
+    pub material: String,
     /// Long-term E, Pa.
     pub youngs_modulus: Pascal,
     /// C₂₀/C₁₀ and C₃₀/C₁₀.
@@ -34,6 +37,10 @@ pub struct IdentifiedMaterial {
     pub stiffness_damping: Second,
     /// Relaxation branches: strength over the long-term modulus, and time in s.
     pub branch: Vec<[f64; 2]>,
+}
+
+fn yeoh() -> String {
+    "yeoh".to_owned()
 }
 
 /// The file of the materials that were identified on `name`.
@@ -160,6 +167,7 @@ mod tests {
     fn materials_come_back_from_their_file_and_an_unknown_law_is_refused() {
         let law = |name: &str| IdentifiedMaterial {
             name: name.into(),
+            material: "yeoh".into(),
             youngs_modulus: 2.7e5,
             stiffening: [-0.2, 0.02],
             mass_damping: 0.0,

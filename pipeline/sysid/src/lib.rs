@@ -5,7 +5,7 @@
 //! coordinates ([`ReducedBody`]), in which motions are integrated, such as those under measured pressures
 //! ([`actuated`]). [`surfaces`] are those of a mesh for figures, [`silhouette`]s those of a tail as a camera sees it.
 //! [`relaxation`] identifies the spectrum of the silicone from
-//! transients, [`estimate`]s stand beside what they estimate, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
+//! transients; a [`joint_fit`] shares a material between free vibration, inflation and tensile tests; [`estimate`]s stand beside what they estimate, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
 //! the material that another test identified.
 //!
 //! ```
@@ -35,6 +35,7 @@ pub mod estimate;
 pub mod free_vibration;
 mod identified_materials;
 pub mod inflation_test;
+pub mod joint_fit;
 pub mod landscape;
 mod lateral_loads;
 mod levels;
@@ -59,6 +60,7 @@ mod surrogate;
 mod time_steps;
 mod trained_box;
 pub mod uncertainty;
+mod wall_offset;
 
 pub use body::{Body, Material};
 pub use cells::cells;

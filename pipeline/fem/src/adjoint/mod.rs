@@ -5,4 +5,5 @@ pub(crate) mod dynamics;
 pub(crate) mod gradient;
 pub(crate) mod parameter;
 mod sensitivity;
+pub(crate) mod shape;
 mod statics;

@@ -131,7 +131,7 @@ impl SolverState {
     }
 
     /// K⁻¹ b at the equilibrium `at`, both 3 entries per node; zero at constrained dofs.
-    fn solve_at(&mut self, at: &Equilibrium, b: &[f64]) -> Result<Vec<f64>, SolveError> {
+    pub(crate) fn solve_at(&mut self, at: &Equilibrium, b: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.check_field("the displacement", &at.displacement)?;
         self.check_pressures(&at.pressures)?;
         self.couple_contact(&at.displacement)?;

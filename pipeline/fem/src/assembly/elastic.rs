@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 use materials::material::{Material, Moduli};
 use materials::symmetric::{Symmetric, matrix};
 use materials::tangent::{PointState, TangentKind};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SVector};
 use si::{Joule, Point3};
 use sparse::Pattern;
 
@@ -99,6 +99,11 @@ impl Body<'_> {
     /// Adds the forces of one element with a factor of 1 to `forces`.
     pub(crate) fn add_element_force(&self, u: &[f64], element: usize, forces: &mut [f64]) {
         by_order!(self.add_element_force_of(u, element, forces));
+    }
+
+    /// Adds ∂f to `forces` when the nodes of the undeformed mesh move with `velocity` (3 entries per node) at fixed u.
+    pub(crate) fn shape_derivative(&self, u: &[f64], velocity: &[f64], forces: &mut [f64]) {
+        by_order!(self.shape_derivative_of(u, velocity, forces));
     }
 
     /// By element, the virtual work along `along` (3 entries per node) of ∂f at `u` by μ, λ, C₂₀ and C₃₀, with a factor
@@ -284,6 +289,30 @@ impl Body<'_> {
                 let stress = elastic.material.stress(&deformation_gradient(gradients, &displacements), moduli).1;
                 add_force(&mut force, gradients, &stress, weight);
             });
+            scatter_forces(nodes, &force, forces);
+        }
+    }
+
+    #[allow(non_snake_case)]
+    fn shape_derivative_of<const N: usize>(&self, u: &[f64], velocity: &[f64], forces: &mut [f64]) {
+        for (element, nodes, elastic) in self.elements_with_law::<N>() {
+            let (displacements, velocities) = (element_values(nodes, u), element_values(nodes, velocity));
+            let mut force = [[0.0; 3]; N];
+            self.for_each_sample::<N>(
+                element,
+                elastic,
+                elastic.moduli,
+                |Sample { gradients, weight, moduli, .. }| {
+                    let F = deformation_gradient(gradients, &displacements);
+                    let L = deformation_gradient(gradients, &velocities) - Matrix3::identity();
+                    let response = elastic.material.response(&F, moduli);
+                    let dF = (Matrix3::identity() - F) * L;
+                    let dP = response.tangent * SVector::<f64, 9>::from_column_slice(dF.as_slice());
+                    let P = response.stress;
+                    let change = Matrix3::from_column_slice(dP.as_slice()) + P * L.trace() - P * L.transpose();
+                    add_force(&mut force, gradients, &change, weight);
+                },
+            );
             scatter_forces(nodes, &force, forces);
         }
     }

@@ -31,7 +31,7 @@ const LONGEST: Second = 0.02;
 
 /// The numbers that a law gives to the body.
 #[derive(Debug, Clone)]
-pub(super) struct Properties {
+pub(crate) struct Properties {
     /// Long-term E, Pa.
     pub youngs_modulus: Pascal,
     /// C₂₀/C₁₀ and C₃₀/C₁₀.
@@ -44,7 +44,7 @@ pub(super) struct Properties {
 }
 
 /// A body under one set of dead loads.
-pub(super) struct Condition {
+pub(crate) struct Condition {
     reduced: ReducedModel,
     /// E of the case, Pa.
     youngs_modulus: Pascal,
@@ -55,6 +55,14 @@ pub(super) struct Condition {
     interrupt: Option<Interrupt>,
 }
 
+/// Where the shapes and the points of a reduced model come from.
+pub(crate) enum Basis<'a> {
+    /// They are found, unless it is interrupted.
+    Trained(Option<Interrupt>),
+    /// They are those of another law: shapes of a body under its weight hardly depend on it.
+    Of(&'a Condition),
+}
+
 impl Condition {
     /// Of the case in the file `path`.
     ///
@@ -62,15 +70,32 @@ impl Condition {
     /// A [`Diagnostic`] when the case or its mesh is refused, a shape or motion of the whole body is not found, or it was
     /// interrupted.
     pub fn new(page: &Page, path: &Path, interrupt: Option<Interrupt>) -> Result<Self> {
+        // Yeoh's law without its further terms is the neo-Hookean one.
+        Self::of_material(page, path, "yeoh", Basis::Trained(interrupt))
+    }
+
+    /// The same with another law of `materials`.
+    ///
+    /// # Errors
+    /// As [`Condition::new`].
+    pub(crate) fn of_material(page: &Page, path: &Path, material: &str, basis: Basis) -> Result<Self> {
+        let interrupt = match &basis {
+            Basis::Trained(interrupt) => interrupt.clone(),
+            Basis::Of(known) => known.interrupt.clone(),
+        };
         let mut case = read(path)?;
         check_case(&case, path)?;
-        // Yeoh's law without its further terms is the neo-Hookean one.
-        case.region[0].material = "yeoh".to_owned();
+        case.region[0].material = material.to_owned();
         let loaded = load(&case, path.parent().unwrap_or(Path::new(".")))?;
         let body = Body::new(&case, &loaded)?.interruptible(interrupt.clone());
-        let shapes = training_shapes(page, &case, &body)?;
-        let shapes: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
-        let reduced = body.system.reduce(&shapes, &REDUCTION)?;
+        let reduced = match basis {
+            Basis::Of(known) => body.system.restore(&known.reduced.data())?,
+            Basis::Trained(_) => {
+                let shapes = training_shapes(page, &case, &body)?;
+                let shapes: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
+                body.system.reduce(&shapes, &REDUCTION)?
+            }
+        };
         let project = |nodal: &[f64]| {
             let mode = |k: usize| reduced.displacement(&unit_vector(reduced.coordinates(), k));
             DVector::from_fn(reduced.coordinates(), |k, _| mode(k).iter().zip(nodal).map(|(u, f)| u * f).sum::<f64>())
@@ -109,7 +134,7 @@ impl Condition {
 }
 
 /// Times of the simulated states until `end`: equal steps during the vibration, then longer ones.
-pub(super) fn times(page: &Page, end: Second) -> Vec<Second> {
+pub(crate) fn times(page: &Page, end: Second) -> Vec<Second> {
     let mut times = vec![0.0];
     let mut step = page.step;
     while times[times.len() - 1] < end {

@@ -8,14 +8,14 @@ use diagnostics::Result;
 
 /// What a recording is compared by.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Features {
+pub(crate) struct Features {
     /// Mean displacement over the last seconds, m.
     pub deflection: Metre,
     pub vibration: FreeVibration,
 }
 
 /// Name and unit of each feature.
-pub(super) const NAMES: [(&str, &str); 4] =
+pub(crate) const NAMES: [(&str, &str); 4] =
     [("frequency", "Hz"), ("static", "mm"), ("first_minimum", "mm"), ("decay", "1/s")];
 
 impl Features {

@@ -5,8 +5,8 @@
 //! `laws` the ladder, `fitting` one fit, `ladder` all of them; `shown` writes table, metrics and figure, and `warnings` finds results that should not
 //! be used as they are.
 
-mod condition;
-mod features;
+pub(crate) mod condition;
+pub(crate) mod features;
 mod fetch;
 mod fitted_law;
 pub(crate) mod fitting;

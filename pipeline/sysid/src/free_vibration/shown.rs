@@ -40,6 +40,7 @@ fn materials_text(report: &Report) -> Result<String> {
         let properties = fitted.law.properties(&fitted.values, report.page.modulus_time)?;
         Ok(IdentifiedMaterial {
             name: fitted.law.name.to_owned(),
+            material: "yeoh".to_owned(),
             youngs_modulus: properties.youngs_modulus,
             stiffening: properties.stiffening,
             mass_damping: properties.mass_damping,

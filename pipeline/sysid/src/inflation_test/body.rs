@@ -18,7 +18,7 @@ use simulate::{Body, Loaded, load};
 const PATCH: Metre = 0.010;
 
 /// A marker on its arm, with the nodes around the point that carries it: their number, and −1 for a mirror image at z < 0.
-struct Carried {
+pub(crate) struct Carried {
     at: Vector3<f64>,
     patch: Vec<(usize, f64)>,
 }
@@ -108,28 +108,32 @@ impl Meshed {
         let mut case = self.case.clone();
         let branch = material.branch.iter().map(|&[strength, time]| case::Branch { strength, time }).collect();
         let region = &mut case.region[0];
+        region.material.clone_from(&material.material);
         (region.youngs_modulus, region.stiffening, region.branch) =
             (material.youngs_modulus, material.stiffening, branch);
         case
     }
 
-    /// Mean displacement of the compared markers, which turn with the nodes that carry them, m.
+    /// Mean displacement of the compared markers, m.
     fn tip_displacement(&self, displacement: &[f64]) -> Metre {
-        let marker_displacement = |marker: &Carried| {
-            let initial: Vec<_> =
-                marker.patch.iter().map(|node| node_position(self.loaded.solid.nodes(), *node)).collect();
-            let node_displacement = |node: &(usize, f64)| {
-                let u = &displacement[3 * node.0..3 * node.0 + 3];
-                Vector3::new(u[0], u[1], node.1 * u[2])
-            };
-            let deformed: Vec<_> =
-                initial.iter().zip(&marker.patch).map(|(x, node)| x + node_displacement(node)).collect();
-            let deformed_marker =
-                rigid::rotation(&initial, &deformed) * (marker.at - rigid::mean(&initial)) + rigid::mean(&deformed);
-            (deformed_marker - marker.at)[self.along]
-        };
-        self.carried.iter().map(marker_displacement).sum::<f64>() / self.carried.len() as f64
+        mean_marker_displacement(&self.carried, self.loaded.solid.nodes(), displacement)[self.along]
     }
+}
+
+/// Mean displacement of markers, which turn with the nodes that carry them, m.
+pub(crate) fn mean_marker_displacement(markers: &[Carried], nodes: &[Point3], displacement: &[f64]) -> Vector3<f64> {
+    let marker_displacement = |marker: &Carried| {
+        let initial: Vec<_> = marker.patch.iter().map(|node| node_position(nodes, *node)).collect();
+        let node_displacement = |node: &(usize, f64)| {
+            let u = &displacement[3 * node.0..3 * node.0 + 3];
+            Vector3::new(u[0], u[1], node.1 * u[2])
+        };
+        let deformed: Vec<_> = initial.iter().zip(&marker.patch).map(|(x, node)| x + node_displacement(node)).collect();
+        let deformed_marker =
+            rigid::rotation(&initial, &deformed) * (marker.at - rigid::mean(&initial)) + rigid::mean(&deformed);
+        deformed_marker - marker.at
+    };
+    markers.iter().map(marker_displacement).sum::<Vector3<f64>>() / markers.len() as f64
 }
 
 fn node_position(nodes: &[Point3], (node, side): (usize, f64)) -> Vector3<f64> {
@@ -137,7 +141,7 @@ fn node_position(nodes: &[Point3], (node, side): (usize, f64)) -> Vector3<f64> {
     Vector3::new(x, y, side * z)
 }
 
-fn carried_markers(page: &Page, loaded: &Loaded) -> Result<Vec<Carried>> {
+pub(crate) fn carried_markers(page: &Page, loaded: &Loaded) -> Result<Vec<Carried>> {
     let nodes = loaded.solid.nodes();
     let sides: &[f64] = if loaded.solid.half() { &[1.0, -1.0] } else { &[1.0] };
     let mut markers = Vec::new();
@@ -192,7 +196,7 @@ fn longest_axis(surface: &Surface) -> usize {
 
 /// The surface with its chambers scaled about their centroids across its longest axis. A constant offset of the walls would invert the
 /// short edges of a chamber's corners; for convex chambers the walls grow by much the same everywhere.
-fn scale_chambers(surface: &Surface, ratio: f64) -> Result<Surface> {
+pub(crate) fn scale_chambers(surface: &Surface, ratio: f64) -> Result<Surface> {
     let (shells, face_shells) = surface.shells()?;
     let (mut scaled, keep) = (surface.clone(), longest_axis(surface));
     for (face, shell) in surface.faces.iter().zip(face_shells) {

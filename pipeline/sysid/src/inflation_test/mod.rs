@@ -4,10 +4,10 @@
 //! `page` describes the tests, `recorded` reads the recordings, `body` is the meshed body and its motion, `fits` what each material makes
 //! of each recording, `shown` writes table, metrics and figure, and `warnings` finds fits that are none.
 
-mod body;
+pub(crate) mod body;
 mod fits;
-mod page;
-mod recorded;
+pub(crate) mod page;
+pub(crate) mod recorded;
 mod shown;
 mod warnings;
 
@@ -154,4 +154,4 @@ impl Report {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

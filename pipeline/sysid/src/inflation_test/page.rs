@@ -49,6 +49,9 @@ pub struct Page {
     pub early: [Second; 2],
     /// Duration at the end of the hold whose mean displacement is compared, s.
     pub late: Second,
+    /// Standard deviation of an offset of all walls of the chambers, m, where they are not known to better: a joint fit identifies it.
+    #[serde(default)]
+    pub wall_sigma: Option<Metre>,
     /// Ratios by which the chambers' sections are scaled about their centroids, to find what the walls' thickness explains.
     #[serde(default)]
     pub sections: Vec<f64>,
@@ -77,7 +80,7 @@ pub struct Recording {
 
 /// How the air reaches the pressure of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Supply {
+pub(crate) struct Supply {
     /// Time in which the step rises, s.
     pub rise: Second,
     /// Time constant with which what is missing after it vanishes, s.
@@ -95,7 +98,7 @@ impl Supply {
 
 impl Recording {
     /// The pressure at a time since the hold's begin, Pa: a step is as the air line makes it, a history as the page says.
-    pub(super) fn pressure_at(&self, time: Second, supply: &Supply) -> Pascal {
+    pub(crate) fn pressure_at(&self, time: Second, supply: &Supply) -> Pascal {
         match &self.pressure {
             History::Constant(held) => supply.step_pressure(*held, time),
             wave => wave.value_at(time),
@@ -103,14 +106,14 @@ impl Recording {
     }
 
     /// Of the hold, s.
-    pub(super) fn duration(&self) -> Second {
+    pub(crate) fn duration(&self) -> Second {
         self.hold[1] - self.hold[0]
     }
 }
 
 impl Page {
     /// The air line that lacks `missing` (Pa) of a step's pressure at first.
-    pub(super) fn supply(&self, missing: Pascal) -> Supply {
+    pub(crate) fn supply(&self, missing: Pascal) -> Supply {
         Supply { rise: self.rise, settling: self.settling.unwrap_or(f64::INFINITY), missing }
     }
 
@@ -144,6 +147,7 @@ impl Page {
             within(key, time, 1e-3..=3600.0, "s")?;
         }
         self.early.iter().try_for_each(|time| within("early", *time, 0.0..=3600.0, "s"))?;
+        self.wall_sigma.iter().try_for_each(|sigma| within("wall_sigma", *sigma, 1e-6..=0.01, "m"))?;
         self.sections.iter().try_for_each(|ratio| within("sections", *ratio, 0.1..=1.5, ""))?;
         for (i, recording) in self.recording.iter().enumerate() {
             let key = format!("recording.{i}.pressure");

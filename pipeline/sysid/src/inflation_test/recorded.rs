@@ -11,7 +11,7 @@ use diagnostics::{Diagnostic, Result};
 
 /// The mean displacements by which an inflation is compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Features {
+pub(crate) struct Features {
     /// In the interval after the step, m.
     pub early: Metre,
     /// At the end of the hold, m.
@@ -20,7 +20,7 @@ pub(super) struct Features {
 
 impl Features {
     /// Growth over the hold, no unit.
-    pub(super) fn creep(&self) -> f64 {
+    pub(crate) fn creep(&self) -> f64 {
         self.late / self.early - 1.0
     }
 
@@ -46,7 +46,7 @@ fn mean_displacement(course: &[(Second, Metre)], [begin, end]: [Second; 2]) -> M
 const STILL: Metre = 1e-9;
 
 /// One recorded inflation.
-pub(super) struct Recorded {
+pub(crate) struct Recorded {
     /// Mean displacement of the compared markers along the page's axis since the step, m.
     pub tip: Series,
     pub features: Features,

@@ -12,7 +12,7 @@ use super::{Page, Report, run};
 use crate::{IdentifiedMaterial, IdentifiedMaterials};
 
 /// A box of 60 × 20 × 20 mm with a cavity beside its axis, m.
-pub(super) fn hollow() -> Surface {
+pub(crate) fn hollow() -> Surface {
     let block = |low: Point3, high: Point3, outward: bool| {
         let at = |k: usize| [0, 1, 2].map(|axis| if (k >> axis) & 1 == 1 { high[axis] } else { low[axis] });
         let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -27,7 +27,7 @@ pub(super) fn hollow() -> Surface {
     Surface { points, faces }
 }
 
-const PAGE: &str = r#"
+pub(crate) const PAGE: &str = r#"
 test = "inflation"
 name = "box"
 case = "case.toml"
@@ -60,7 +60,7 @@ names = ["base_3"]
 at = [0.0, 0.0, 0.02]
 "#;
 
-const CASE: &str = r#"
+pub(crate) const CASE: &str = r#"
 [mesh]
 body = "box.stl"
 unit = "mm"

@@ -1,0 +1,182 @@
+//! An inflation test in a joint fit: the place of the tip soon after the step of pressure and at the end of the hold.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::inflated::{Inflated, PRESSURE, Point, Shape};
+use super::parameters::Parameter;
+use super::test::{Condition, Memory, Place, Predicted, Quantity, Test};
+use crate::inflation_test::page::{Page, Recording};
+use crate::inflation_test::recorded::Recorded;
+use diagnostics::{Diagnostic, Result};
+use simulate::case::{Case, History, read};
+
+/// By so much of itself a good model misses a displacement.
+const SIGMA: f64 = 0.04;
+/// Standard deviation of the logarithm of the modulus over that of other bodies of the same laboratory.
+const BATCH_SIGMA: f64 = 0.1;
+const BATCH: [f64; 2] = [0.4, 2.5];
+/// Offsets of the walls that the mesh allows, m.
+const WALLS: [f64; 2] = [-5e-4, 9e-4];
+/// What is missing of the pressure of a step at first, kPa.
+const MISSING: f64 = 1.0;
+const MISSINGS: [f64; 2] = [0.0, 6.0];
+const STEP: f64 = 1e-6;
+
+/// The recordings of a page, with the body of each law.
+pub(super) struct Arms {
+    page: Page,
+    conditions: Vec<Condition>,
+    recordings: Vec<Recording>,
+    bodies: Vec<(&'static str, Inflated)>,
+}
+
+impl Arms {
+    /// Of the page in the file `path`, for these laws of `materials`; the page of the joint fit gives the edge of the mesh and further pressures
+    /// that were not recorded.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the page, a recording, the case or its mesh is refused.
+    pub fn new(path: &Path, root: &Path, materials: &[&'static str], joint: &super::Page) -> Result<Self> {
+        let page = Page::read(path)?;
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut case = read(&folder.join(&page.case))?;
+        if case.mesh.body.is_some() {
+            case.mesh.edge = Some(joint.edge);
+        }
+        let place = mesh_folder(&page, &case, [root, folder])?;
+        let loaded = simulate::load(&case, &place)?;
+        let body = |material: &&'static str| {
+            let mut case = case.clone();
+            case.region[0].material = (*material).to_owned();
+            (case.region[0].springpot, case.region[0].modulus_time) = (None, None);
+            Ok((*material, Inflated::new(&page, &case, &loaded)?))
+        };
+        let bodies = materials.iter().map(body).collect::<Result<_>>()?;
+        let mut conditions = Vec::new();
+        let mut recordings = page.recording.clone();
+        for recording in &page.recording {
+            let features = Recorded::read(&page, recording, root)?.features;
+            conditions.push(condition(recording, Some([features.early, features.late]))?);
+        }
+        for pressure in &joint.pressures {
+            let mut further = page.recording[0].clone();
+            further.name = format!("{:.0}mbar", 1e-2 * pressure);
+            further.pressure = History::Constant(*pressure);
+            conditions.push(condition(&further, None)?);
+            recordings.push(further);
+        }
+        Ok(Self { page, conditions, recordings, bodies })
+    }
+
+    /// Where the body is soon after the step and at the end of the hold.
+    fn points(&self, at: &Place, recording: &Recording) -> Result<[Point; 2]> {
+        let constants = at.law.constants(at.shared)?;
+        let [batch, wall, missing] = [at.own[0].exp(), 1e-3 * at.own[1], 1e3 * at.own[2]];
+        let settling = self.page.settling.unwrap_or(f64::INFINITY);
+        let early = 0.5 * (self.page.early[0] + self.page.early[1]);
+        let late = recording.duration() - 0.5 * self.page.late;
+        let point = |time: f64| {
+            let (modulus, [c20, c30]) = constants.isochronous(time);
+            let lost = if self.page.settling.is_some() { missing * (-time / settling).exp() } else { 0.0 };
+            [batch * modulus, c20, c30, wall, held(recording).unwrap_or(0.0) - lost]
+        };
+        Ok([point(early), point(late)])
+    }
+}
+
+/// The folder that holds the surface or mesh of the case: one of the page's, below `root`, or that of the page.
+fn mesh_folder(page: &Page, case: &Case, [root, beside]: [&Path; 2]) -> Result<PathBuf> {
+    let mut folders = page.folders.iter().map(|folder| root.join(folder)).chain([beside.to_owned()]);
+    folders.find(|folder| folder.join(case.mesh.name()).is_file()).ok_or_else(|| {
+        let message = format!("the surface {} is not there", case.mesh.name());
+        Diagnostic::new(message, "none of the page's folders has it", "put it into one of the page's folders")
+    })
+}
+
+fn held(recording: &Recording) -> Option<f64> {
+    match recording.pressure {
+        History::Constant(pressure) => Some(pressure),
+        _ => None,
+    }
+}
+
+fn condition(recording: &Recording, measured: Option<[f64; 2]>) -> Result<Condition> {
+    let level = held(recording).ok_or_else(|| {
+        let message = format!("`{}` has a history of its pressure", recording.name);
+        Diagnostic::new(message, "a joint fit compares steps of the pressure that are held", "give one pressure")
+    })?;
+    let quantity = |(n, name): (usize, &str)| Quantity {
+        name: name.to_owned(),
+        unit: "mm",
+        measured: measured.map(|measured| 1e3 * measured[n]),
+        sigma: SIGMA,
+    };
+    let quantities = ["tip", "tip at the end of the hold"].into_iter().enumerate().map(quantity).collect();
+    Ok(Condition { name: recording.name.clone(), level, fitted: measured.is_some(), quantities })
+}
+
+impl Test for Arms {
+    fn name(&self) -> &str {
+        &self.page.name
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let wall = Parameter::linear("wall offset", "mm", 0.0, WALLS.map(|wall| 1e3 * wall));
+        vec![
+            Parameter::logarithmic("batch", "", 1.0, BATCH).known_to(BATCH_SIGMA),
+            wall.known_to(1e3 * self.page.wall_sigma.unwrap_or(1e-6)),
+            Parameter::linear("missing pressure", "kPa", MISSING, MISSINGS).known_to(MISSING),
+        ]
+    }
+
+    fn conditions(&self) -> &[Condition] {
+        &self.conditions
+    }
+
+    /// One equilibrium serves both times: between them modulus and pressure change by a few per cent, to first order.
+    fn predict(&self, at: &Place, condition: usize, memory: &mut Memory) -> Result<Vec<Predicted>> {
+        let recording = &self.recordings[condition];
+        let body = self.bodies.iter().find(|(name, _)| *name == at.law.material).map(|(_, body)| body);
+        let body = body.ok_or_else(|| Diagnostic::new("a law has no body", at.law.name, "report this as a bug"))?;
+        let points = self.points(at, recording)?;
+        let mut ambient = points[0];
+        ambient[PRESSURE] = 0.0;
+        let rest = remembered(body, &ambient, memory)?;
+        let shape = remembered(body, &points[0], memory)?;
+        let slopes: Point =
+            std::array::from_fn(|k| if k == PRESSURE { shape.slopes[k] } else { shape.slopes[k] - rest.slopes[k] });
+        let tip = |points: [Point; 2]| {
+            points.map(|point| {
+                let change: f64 = (0..5).map(|k| slopes[k] * (point[k] - shape.at[k])).sum();
+                1e3 * (shape.tip - rest.tip + change)
+            })
+        };
+        let values = tip(points);
+        let mut gradients = [Vec::new(), Vec::new()];
+        for p in 0..at.shared.len() + at.own.len() {
+            let (mut shared, mut own) = (at.shared.to_vec(), at.own.to_vec());
+            let moved = if p < shared.len() { &mut shared[p] } else { &mut own[p - at.shared.len()] };
+            *moved += STEP;
+            let moved = tip(self.points(&Place { law: at.law, shared: &shared, own: &own }, recording)?);
+            (0..2).for_each(|n| gradients[n].push((moved[n] - values[n]) / STEP));
+        }
+        let [early, late] = gradients;
+        Ok(vec![Predicted { value: values[0], gradient: early }, Predicted { value: values[1], gradient: late }])
+    }
+}
+
+/// Shapes that a fit keeps: a few at each pressure.
+const KEPT: usize = 24;
+
+fn remembered(body: &Inflated, point: &Point, memory: &mut Memory) -> Result<Arc<Shape>> {
+    if let Some(shape) = memory.iter().find(|shape| shape.at == *point) {
+        return Ok(Arc::clone(shape));
+    }
+    let shape = Arc::new(body.shape(point, memory)?);
+    memory.push(Arc::clone(&shape));
+    if memory.len() > KEPT {
+        memory.remove(0);
+    }
+    Ok(shape)
+}

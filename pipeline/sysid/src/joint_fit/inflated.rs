@@ -1,0 +1,255 @@
+//! An inflated body as a family of equilibria: displacement of its tip by the constants of its material, the offset of its walls and the
+//! pressure, with all derivatives.
+//!
+//! Inertia is left out: what is compared are means over a period of the ring-down. Relaxation acts as the isochronous modulus.
+
+use std::sync::Arc;
+
+use fem::{Equilibrium, Parameter, Solver, StaticSettings, System};
+use mesh::Skin;
+use nalgebra::Vector3;
+use si::{Metre, Pascal, Point3};
+
+use crate::inflation_test::body::{Carried, carried_markers, mean_marker_displacement};
+use crate::inflation_test::page::Page;
+use crate::wall_offset::wall_offset;
+use diagnostics::{Diagnostic, Result};
+use simulate::case::Case;
+use simulate::{Body, Loaded};
+
+/// E (Pa), C₂₀/C₁₀, C₃₀/C₁₀, the offset of the walls (m) and the pressure (Pa).
+pub(super) type Point = [f64; 5];
+/// Where they stand.
+const WALL: usize = 3;
+pub(super) const PRESSURE: usize = 4;
+
+/// The first step of a path, in changes over which a linear prediction holds.
+const FAR: f64 = 5.0;
+/// Least step of a path, as a part of it.
+const LEAST_STEP: f64 = 0.01;
+/// Newton iterations of a warm start: those that converge need four to eight.
+const ITERATIONS: usize = 14;
+
+/// A meshed body with one chamber that is inflated.
+pub(super) struct Inflated {
+    system: System,
+    /// One solver's properties.
+    poissons_ratio: f64,
+    gravity: Point3,
+    carried: Vec<Carried>,
+    along: usize,
+    chamber: usize,
+    chambers: usize,
+    /// Motion of the nodes for each metre of offset.
+    velocity: Vec<f64>,
+}
+
+/// An equilibrium with its derivatives.
+#[derive(Debug, Clone)]
+pub(super) struct Shape {
+    pub at: Point,
+    displacement: Vec<f64>,
+    /// du/dθ.
+    changes: Vec<Vec<f64>>,
+    /// Mean place of the markers relative to rest without pressure and weight, m.
+    pub tip: Metre,
+    /// Its derivatives.
+    pub slopes: Point,
+}
+
+impl Inflated {
+    /// Of the case, meshed already.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the case and its mesh do not match, or a marker stands on no body.
+    pub fn new(page: &Page, case: &Case, loaded: &Loaded) -> Result<Self> {
+        let body = Body::new(case, loaded)?;
+        let velocity = wall_offset(&loaded.solid, |on, _| matches!(on, Skin::Chamber(_)));
+        Ok(Self {
+            poissons_ratio: body.system.regions()[0].poissons_ratio,
+            gravity: case.gravity,
+            carried: carried_markers(page, loaded)?,
+            along: page.along as usize,
+            chamber: body.numbers[0],
+            chambers: body.cavities.len(),
+            velocity,
+            system: body.system,
+        })
+    }
+
+    fn solver(&self, point: &Point) -> Result<Solver> {
+        let mut solver = self.system.morphed(&self.velocity, point[WALL])?.solver();
+        solver.set_gravity(self.gravity)?;
+        solver.set_elastic(0, point[0], self.poissons_ratio)?;
+        solver.set_stiffening(0, [point[1], point[2]])?;
+        Ok(solver)
+    }
+
+    fn pressures(&self, pressure: Pascal) -> Vec<Pascal> {
+        (0..self.chambers).map(|k| if k == self.chamber { pressure } else { 0.0 }).collect()
+    }
+
+    /// The equilibrium at `point`, followed from the nearest of `known` in steps that are halved where Newton's method fails; of none, from
+    /// rest.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] where the path has no further equilibrium nearby, as where a wall balloons.
+    pub fn shape(&self, point: &Point, known: &[Arc<Shape>]) -> Result<Shape> {
+        // changes over which a linear prediction holds
+        let scale = [0.1 * point[0], 0.3, 0.3, 1e-4, 2e3];
+        let distance = |shape: &Shape| (0..5).map(|k| ((shape.at[k] - point[k]) / scale[k]).powi(2)).sum::<f64>();
+        let nearest = known.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let mut last = match nearest {
+            Some(shape) => Shape::clone(shape),
+            None => self.without_pressure(point)?,
+        };
+        let settings = StaticSettings { max_iterations: ITERATIONS, ..StaticSettings::default() };
+        let (start, mut part, mut step) = (last.at, 0.0, 1.0_f64);
+        if distance(&last) > FAR * FAR {
+            step = FAR / distance(&last).sqrt();
+        }
+        while part < 1.0 {
+            let next = (part + step).min(1.0);
+            let at: Point = std::array::from_fn(|k| start[k] + next * (point[k] - start[k]));
+            let mut solver = self.solver(&at)?;
+            let predicted = last.predicted(&at);
+            let pressures = self.pressures(at[PRESSURE]);
+            match solver.equilibrium_near(&pressures, &last.displacement, &predicted, &settings) {
+                Ok(found) => {
+                    step *= if found.iterations < 7 { 2.0 } else { 1.0 };
+                    last = self.linearised(&mut solver, &at, found)?;
+                    part = next;
+                }
+                Err(error) if step < LEAST_STEP => return Err(Diagnostic::from(error)),
+                Err(_) => step *= 0.4,
+            }
+        }
+        Ok(last)
+    }
+
+    /// Under its weight alone.
+    fn without_pressure(&self, point: &Point) -> Result<Shape> {
+        let mut rest = *point;
+        rest[PRESSURE] = 0.0;
+        let mut solver = self.solver(&rest)?;
+        let found = solver.equilibrium(&self.pressures(0.0), None, &StaticSettings::default())?;
+        self.linearised(&mut solver, &rest, found)
+    }
+
+    fn linearised(&self, solver: &mut Solver, point: &Point, found: Equilibrium) -> Result<Shape> {
+        let region = 0;
+        let mut changes = Vec::new();
+        for parameter in [
+            Parameter::YoungsModulus(region),
+            Parameter::Stiffening { region, term: 0 },
+            Parameter::Stiffening { region, term: 1 },
+        ] {
+            changes.push(solver.sensitivity(&found, parameter)?);
+        }
+        changes.push(solver.shape_sensitivity(&found, &self.velocity)?);
+        changes.push(solver.sensitivity(&found, Parameter::Pressure(self.chamber))?);
+        let tip = self.tip(point[WALL], &found.displacement);
+        let mut slopes = [0.0; 5];
+        for (k, (slope, change)) in slopes.iter_mut().zip(&changes).enumerate() {
+            let largest = change.iter().fold(1e-30, |most: f64, u| most.max(u.abs()));
+            let step = 1e-6 / largest;
+            let side = |step: f64| {
+                let moved: Vec<f64> = found.displacement.iter().zip(change).map(|(u, d)| u + step * d).collect();
+                self.tip(point[WALL] + if k == WALL { step } else { 0.0 }, &moved)
+            };
+            *slope = (side(step) - side(-step)) / (2.0 * step);
+        }
+        Ok(Shape { at: *point, displacement: found.displacement, changes, tip, slopes })
+    }
+
+    fn tip(&self, wall: Metre, displacement: &[f64]) -> Metre {
+        let mesh = self.system.mesh();
+        let moved: Vec<Point3> = mesh
+            .nodes
+            .iter()
+            .zip(self.velocity.chunks_exact(3))
+            .map(|(x, v)| [0, 1, 2].map(|axis| x[axis] + wall * v[axis]))
+            .collect();
+        let mean: Vector3<f64> = mean_marker_displacement(&self.carried, &moved, displacement);
+        mean[self.along]
+    }
+}
+
+impl Shape {
+    fn predicted(&self, point: &Point) -> Vec<f64> {
+        let mut guess = self.displacement.clone();
+        for (k, change) in self.changes.iter().enumerate() {
+            let by = point[k] - self.at[k];
+            guess.iter_mut().zip(change).for_each(|(u, d)| *u += by * d);
+        }
+        guess
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inflation_test::tests::{CASE, PAGE, hollow};
+    use std::path::Path;
+
+    /// The hollow box of the inflation test, of a law with both coefficients.
+    fn hollow_box() -> Inflated {
+        let folder =
+            std::env::temp_dir().join(format!("inflated-{}-{:?}", std::process::id(), std::thread::current().id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("box.stl"), mesh::stl::write(&hollow(), 1e-3, "box")).unwrap();
+        std::fs::write(folder.join("case.toml"), CASE.replace("yeoh", "lopez_pamies_m5")).unwrap();
+        let case = simulate::case::read(&folder.join("case.toml")).unwrap();
+        let loaded = simulate::load(&case, &folder).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        Inflated::new(&Page::parse(PAGE, Path::new("page.toml")).unwrap(), &case, &loaded).unwrap()
+    }
+
+    const AT: Point = [1.2e5, 2.0, -0.3, 1e-4, 8e3];
+
+    #[test]
+    fn slopes_are_differences_of_equilibria() {
+        let body = hollow_box();
+        let shape = Arc::new(body.shape(&AT, &[]).unwrap());
+        assert!(shape.tip.abs() > 2e-4, "the box bends: {}", shape.tip);
+        for (k, step) in [12.0, 1e-3, 1e-3, 1e-6, 1.0].into_iter().enumerate() {
+            let side = |step: f64| {
+                let mut point = AT;
+                point[k] += step;
+                body.shape(&point, &[Arc::clone(&shape)]).unwrap().tip
+            };
+            let difference = (side(step) - side(-step)) / (2.0 * step);
+            assert!((shape.slopes[k] / difference - 1.0).abs() < 1e-3, "{k}: {} {difference}", shape.slopes[k]);
+        }
+    }
+
+    /// Two pressures tell the offset of the walls from the modulus.
+    #[test]
+    fn a_planted_offset_of_the_walls_comes_back_with_the_modulus() {
+        let body = hollow_box();
+        let tips = |point: &Point| {
+            let at = |pressure: f64| body.shape(&[point[0], point[1], point[2], point[3], pressure], &[]).unwrap();
+            [at(8e3), at(1.6e4)]
+        };
+        let planted = tips(&AT).map(|shape| shape.tip);
+        let mut point = [1.1e5, AT[1], AT[2], 0.0, 0.0];
+        for _ in 0..12 {
+            let shapes = tips(&point);
+            let [a, b] = [0, 1].map(|k| planted[k] - shapes[k].tip);
+            let slope = |k: usize, p: usize| shapes[k].slopes[p];
+            let determinant = slope(0, 0) * slope(1, WALL) - slope(1, 0) * slope(0, WALL);
+            point[0] += ((a * slope(1, WALL) - b * slope(0, WALL)) / determinant).clamp(-1e4, 1e4);
+            point[WALL] += ((b * slope(0, 0) - a * slope(1, 0)) / determinant).clamp(-3e-5, 3e-5);
+        }
+        assert!((point[WALL] - AT[WALL]).abs() < 2e-6, "{point:?}");
+        assert!((point[0] / AT[0] - 1.0).abs() < 1e-3, "{point:?}");
+    }
+
+    #[test]
+    fn a_path_from_rest_ends_where_a_nearby_equilibrium_leads() {
+        let body = hollow_box();
+        let near = Arc::new(body.shape(&[1.2e5, 2.0, -0.3, 0.0, 7e3], &[]).unwrap());
+        let (far, close) = (body.shape(&AT, &[]).unwrap(), body.shape(&AT, &[near]).unwrap());
+        assert!((far.tip / close.tip - 1.0).abs() < 1e-6);
+    }
+}
