@@ -7,7 +7,7 @@
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Legend, Mark, Marker, Panel, Placed, Side, palette};
 use si::Point2;
 
-use super::order::{in_order, title};
+use super::order::{capitalised, in_order};
 use super::origin_note;
 use diagnostics::{Diagnostic, Result};
 use records::subject::{Specimen, Study};
@@ -24,26 +24,27 @@ impl figure::Figure for FourParameters {
     const CAPTION: &'static str = "both moduli and both Poisson's ratios, identified together";
     const VERSION: u32 = 5;
 
-    fn draw(Every(all): Self::Needs) -> Result<Figure> {
-        if all.is_empty() {
+    fn draw(Every(searches): Self::Needs) -> Result<Figure> {
+        if searches.is_empty() {
             return Err(Diagnostic::new(
                 "there is no search to show",
                 "no specimen has one",
                 "study run four_parameters",
             ));
         }
-        let all = in_order(all);
+        let searches = in_order(searches);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-        for (i, (specimen, found)) in all.iter().enumerate() {
+        for (i, (specimen, found)) in searches.iter().enumerate() {
             // one legend serves all rows: over a narrow panel it takes as much room as the panel
             let legend = |k: usize| if (i, k) == (0, 0) { Legend::Over } else { Legend::None };
-            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter(found, k, legend(k))));
-            let [first, others @ ..] = parameters;
-            let others = others.into_iter().chain([Placed::from(loss(found))]).map(Placed::without_panel_label);
-            let row = [first.titled(&title(&specimen.card.name))].into_iter().chain(others);
+            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter_panel(found, k, legend(k))));
+            let [first, other_panels @ ..] = parameters;
+            let other_panels =
+                other_panels.into_iter().chain([Placed::from(loss_panel(found))]).map(Placed::without_panel_label);
+            let row = [first.titled(&capitalised(&specimen.card.name))].into_iter().chain(other_panels);
             figure = figure.row(if i == 0 { 56.0 } else { 40.0 }, row.collect::<Vec<Placed>>());
         }
-        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+        Ok(figure.noted(&origin_note(searches.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
 
@@ -51,7 +52,7 @@ const LABELS: [&str; 4] = ["E, body", "E, spine", "ν, body", "ν, spine"];
 const UNITS: [&str; 4] = ["MPa", "GPa", "", ""];
 const SCALES: [f64; 4] = [1e-6, 1e-9, 1.0, 1.0];
 
-fn parameter(found: &records::FourParameters, k: usize, legend: Legend) -> Panel {
+fn parameter_panel(found: &records::FourParameters, k: usize, legend: Legend) -> Panel {
     let points: Vec<Point2> =
         found.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.in_display_units()[k]]).collect();
     let last = points.len().max(2) as f64;
@@ -79,7 +80,7 @@ fn parameter(found: &records::FourParameters, k: usize, legend: Legend) -> Panel
 }
 
 /// The loss at each simulation.
-fn loss(found: &records::FourParameters) -> Panel {
+fn loss_panel(found: &records::FourParameters) -> Panel {
     let points: Vec<Point2> = found.iterates.iter().enumerate().map(|(i, (_, loss))| [(i + 1) as f64, *loss]).collect();
     let colour = palette::method("gauss_newton");
     let axes = Axes::new(Axis::linear("simulations", "").range(1.0, points.len().max(2) as f64), Axis::log("loss", ""));

@@ -24,12 +24,12 @@ pub(super) fn gradient_difference(loss: &Loss, search: &Problem, known: &LevelSo
     let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
     let mut worst = 0.0_f64;
     for k in 0..2 {
-        let mut at = |sign: f64| {
-            let mut at = start;
-            at[k] += sign * DIFFERENCE;
-            evaluate(at, Needs::Loss).map(|e| e.loss)
+        let mut loss_beside = |sign: f64| {
+            let mut point = start;
+            point[k] += sign * DIFFERENCE;
+            evaluate(point, Needs::Loss).map(|e| e.loss)
         };
-        let difference = (at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE);
+        let difference = (loss_beside(1.0)? - loss_beside(-1.0)?) / (2.0 * DIFFERENCE);
         worst = worst.max((difference - adjoint[k]).abs() / size);
     }
     Ok(worst)

@@ -36,7 +36,7 @@ impl Table for Coverage {
             Column::numbers("mean error / σ", ""),
         ];
         let kinds = found.kinds.iter().cloned().chain([found.all()]);
-        let table = plot::Table::new(columns, kinds.map(|kind| row(&kind, found.specimens)).collect())?;
+        let table = plot::Table::new(columns, kinds.map(|kind| quantity_row(&kind, found.specimens)).collect())?;
         let note = format!(
             "{} specimens. Bounds (95 %) count the estimates of one specimen as one; errors are those of logarithms.",
             found.specimens
@@ -45,7 +45,7 @@ impl Table for Coverage {
     }
 }
 
-fn row(kind: &Counted, specimens: usize) -> Vec<String> {
+fn quantity_row(kind: &Counted, specimens: usize) -> Vec<String> {
     let mut cells = vec![kind.title.clone(), kind.errors.len().to_string()];
     cells.push(if kind.sigma.is_nan() { String::new() } else { format!("{:.1}", 100.0 * kind.sigma) });
     for (_, half) in HALF_WIDTHS {
@@ -64,6 +64,6 @@ mod tests {
     fn a_row_has_both_shares_with_their_bounds_and_the_mean_error() {
         let errors = vec![0.5, -0.5, 1.5, 0.5];
         let kind = Counted { name: "drag".into(), title: "drag".into(), errors, sigma: 0.1 };
-        assert_eq!(row(&kind, 4), ["drag", "4", "10.0", "75", "30 to 95", "100", "51 to 100", "+0.50"]);
+        assert_eq!(quantity_row(&kind, 4), ["drag", "4", "10.0", "75", "30 to 95", "100", "51 to 100", "+0.50"]);
     }
 }

@@ -29,28 +29,28 @@ impl Table for Optics {
             Column::numbers("error of position", "mm"),
             Column::numbers("error of displacement", "mm"),
         ];
-        let rows = [Medium::Air, Medium::Water].into_iter().filter_map(|medium| liveliest(&all, medium));
-        let rows = rows.flat_map(|(trial, markers)| markers.left_out.iter().map(|left| row(trial, left)));
+        let rows = [Medium::Air, Medium::Water].into_iter().filter_map(|medium| liveliest_trial(&all, medium));
+        let rows = rows.flat_map(|(trial, markers)| markers.left_out.iter().map(|left| correction_row(trial, left)));
         let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted("Root mean square over markers and frames, against the same tracks with every correction."))
     }
 }
 
 /// The trial of a medium with the largest marker displacement from the first frame.
-fn liveliest(all: &[(Trial, Markers)], medium: Medium) -> Option<(&Trial, &Markers)> {
+fn liveliest_trial(all: &[(Trial, Markers)], medium: Medium) -> Option<(&Trial, &Markers)> {
     let of_medium = all.iter().filter(|(trial, _)| trial.trial.medium == medium);
-    let far = of_medium.max_by(|(_, a), (_, b)| reach(a).total_cmp(&reach(b)));
+    let far = of_medium.max_by(|(_, a), (_, b)| largest_displacement(a).total_cmp(&largest_displacement(b)));
     far.map(|(trial, markers)| (trial, markers))
 }
 
 /// Largest displacement from the first frame, m.
-fn reach(markers: &Markers) -> f64 {
+fn largest_displacement(markers: &Markers) -> f64 {
     let firsts = markers.markers.iter().filter_map(|m| Some((m, m.at.first()?)));
     let far = firsts.flat_map(|(m, first)| m.at.iter().map(|p| (p[0] - first[0]).hypot(p[1] - first[1])));
     far.fold(0.0, f64::max)
 }
 
-fn row(trial: &Trial, left: &OmittedCorrection) -> Vec<String> {
+fn correction_row(trial: &Trial, left: &OmittedCorrection) -> Vec<String> {
     let millimetres = |metres: f64| format!("{:.4}", 1e3 * metres);
     let (medium, name) = (trial.trial.medium.word().to_owned(), trial.name());
     vec![medium, name, left.correction.replace('_', " "), millimetres(left.place_m), millimetres(left.motion_m)]

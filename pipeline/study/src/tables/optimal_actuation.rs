@@ -39,18 +39,20 @@ impl Table for OptimalActuation {
             Column::numbers("simulations", ""),
             Column::numbers("amplitude error", "%"),
         ];
-        let rows = all.iter().flat_map(|(s, found)| found.best.iter().map(|best| row(&s.name(), found, best)));
+        let rows =
+            all.iter().flat_map(|(s, found)| found.best.iter().map(|best| actuation_row(&s.name(), found, best)));
         let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted( "Predictions. Amplitude ratio: over the largest filmed amplitude; above 1 is extrapolation. Amplitude error: simulated against filmed, same pressures.", ))
     }
 }
 
-fn row(specimen: &str, found: &records::OptimalActuation, best: &Best) -> Vec<String> {
+fn actuation_row(specimen: &str, found: &records::OptimalActuation, best: &Best) -> Vec<String> {
     let [slow, fast] = found.frequencies_hz;
     let mbar = |p: f64| format!("{:.0}", p / si::MILLIBAR);
     let wave = best.wave();
-    let evaluated =
-        |of: fn(&ActuationPoint) -> f64, digits: usize| wave.map_or(String::new(), |w| format!("{:.digits$}", of(w)));
+    let evaluated = |value: fn(&ActuationPoint) -> f64, digits: usize| {
+        wave.map_or(String::new(), |w| format!("{:.digits$}", value(w)))
+    };
     vec![
         specimen.to_owned(),
         best.model.clone(),

@@ -31,18 +31,18 @@ impl Table for Recovery {
             Column::numbers("error", ""),
             Column::numbers("error / σ", ""),
         ];
-        let estimates = all.specimens.iter().flat_map(|s| s.estimates.iter().map(|e| row(&s.name, e)));
-        let rows = estimates.chain(instruments(&all)).collect();
+        let estimates = all.specimens.iter().flat_map(|s| s.estimates.iter().map(|e| estimate_row(&s.name, e)));
+        let rows = estimates.chain(instrument_rows(&all)).collect();
         let table = plot::Table::new(columns, rows)?;
         Ok(table.noted("Error / σ: the error of the logarithm over its standard deviation as the pipeline states it."))
     }
 }
 
-fn row(of: &str, estimate: &Estimate) -> Vec<String> {
+fn estimate_row(specimen: &str, estimate: &Estimate) -> Vec<String> {
     let (title, unit) = estimate.quantity.title();
     vec![
         title,
-        of.to_owned(),
+        specimen.to_owned(),
         format!("{:.4}", unit * estimate.found),
         format!("{:.4}", unit * estimate.hidden),
         format!("{:.1} %", 100.0 * estimate.relative_error()),
@@ -51,16 +51,16 @@ fn row(of: &str, estimate: &Estimate) -> Vec<String> {
 }
 
 /// Instruments: the worst trial or specimen each.
-fn instruments(all: &Recovered) -> Vec<Vec<String>> {
+fn instrument_rows(all: &Recovered) -> Vec<Vec<String>> {
     let row = |what: &str, value: f64, digits: usize, unit: &str| {
         [what, "worst", "", "", &format!("{value:.digits$} {unit}"), ""].map(str::to_owned).to_vec()
     };
-    let named = |mut row: Vec<String>, of: &str| {
-        row[1] = if of.is_empty() { row[1].clone() } else { of.to_owned() };
+    let named = |mut row: Vec<String>, worst: &str| {
+        row[1] = if worst.is_empty() { row[1].clone() } else { worst.to_owned() };
         row
     };
-    let covered = |what: &str, [held, of]: [usize; 2]| {
-        let share = format!("{:.1} %", 100.0 * held as f64 / of.max(1) as f64);
+    let covered = |what: &str, [inside, count]: [usize; 2]| {
+        let share = format!("{:.1} %", 100.0 * inside as f64 / count.max(1) as f64);
         [what, "all", &share, "95 %", "", ""].map(str::to_owned).to_vec()
     };
     let mut rows = vec![
@@ -84,13 +84,13 @@ mod tests {
     #[test]
     fn a_modulus_is_set_beside_the_hidden_one_with_sign_and_in_deviations() {
         let body = Estimate { quantity: Quantity::BodyModulus, found: 0.19e6, hidden: 0.2e6, sigma: 0.025 };
-        assert_eq!(row("a", &body)[1..], ["a", "0.1900", "0.2000", "-5.0 %", "2.1"]);
+        assert_eq!(estimate_row("a", &body)[1..], ["a", "0.1900", "0.2000", "-5.0 %", "2.1"]);
     }
 
     #[test]
     fn every_row_has_a_cell_a_column() {
         let all = Recovered { wave_residual_mn: Some(1.0), ..Recovered::default() };
-        assert!(instruments(&all).iter().all(|row| row.len() == 6));
-        assert_eq!(instruments(&all).len(), 7);
+        assert!(instrument_rows(&all).iter().all(|row| row.len() == 6));
+        assert_eq!(instrument_rows(&all).len(), 7);
     }
 }
