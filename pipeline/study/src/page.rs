@@ -23,7 +23,7 @@ const MAX_FACES: usize = 24_000;
 ///
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when a record is not what this version writes.
-pub fn page_contents(runner: &Runner) -> Result<Contents> {
+pub(crate) fn page_contents(runner: &Runner) -> Result<Contents> {
     let outdated = outdated::records(runner, &Goal::default())?;
     let note = outdated::in_words(&outdated).map_or_else(String::new, |words| format!(" {words}."));
     Ok(Contents {

@@ -34,13 +34,13 @@ impl figure::Figure for FourParameters {
         }
         let searches = in_order(searches);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-        for (i, (specimen, found)) in searches.iter().enumerate() {
+        for (i, (specimen, search)) in searches.iter().enumerate() {
             // one legend serves all rows: over a narrow panel it takes as much room as the panel
             let legend = |k: usize| if (i, k) == (0, 0) { Legend::Over } else { Legend::None };
-            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter_panel(found, k, legend(k))));
+            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter_panel(search, k, legend(k))));
             let [first, other_panels @ ..] = parameters;
             let other_panels =
-                other_panels.into_iter().chain([Placed::from(loss_panel(found))]).map(Placed::without_panel_label);
+                other_panels.into_iter().chain([Placed::from(loss_panel(search))]).map(Placed::without_panel_label);
             let row = [first.titled(&capitalised(&specimen.card.name))].into_iter().chain(other_panels);
             figure = figure.row(if i == 0 { 56.0 } else { 40.0 }, row.collect::<Vec<Placed>>());
         }
@@ -52,19 +52,19 @@ const LABELS: [&str; 4] = ["E, body", "E, spine", "ν, body", "ν, spine"];
 const UNITS: [&str; 4] = ["MPa", "GPa", "", ""];
 const SCALES: [f64; 4] = [1e-6, 1e-9, 1.0, 1.0];
 
-fn parameter_panel(found: &records::FourParameters, k: usize, legend: Legend) -> Panel {
+fn parameter_panel(search: &records::FourParameters, k: usize, legend: Legend) -> Panel {
     let points: Vec<Point2> =
-        found.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.in_display_units()[k]]).collect();
+        search.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.in_display_units()[k]]).collect();
     let last = points.len().max(2) as f64;
-    let [low, high] = found.plausible[k].map(|v| SCALES[k] * v);
+    let [low, high] = search.plausible[k].map(|v| SCALES[k] * v);
     let margin = 0.08 * (high - low);
     let axes = Axes::new(
         Axis::linear("simulations", "").range(1.0, last),
         Axis::linear(LABELS[k], UNITS[k]).range(low - margin, high + margin),
     );
-    let end = vec![[last, found.best.in_display_units()[k]]];
+    let end = vec![[last, search.best.in_display_units()[k]]];
     let axes = axes.legend(legend);
-    let ends = found.intervals()[k].map(|v| v.clamp(low - margin, high + margin));
+    let ends = search.intervals()[k].map(|v| v.clamp(low - margin, high + margin));
     // a uniform distribution over the plausible range has 95 % of itself in 95 % of it
     let determined = ends[1] - ends[0] < 0.95 * (high - low);
     let undetermined = (!determined)
@@ -80,8 +80,9 @@ fn parameter_panel(found: &records::FourParameters, k: usize, legend: Legend) ->
 }
 
 /// The loss at each simulation.
-fn loss_panel(found: &records::FourParameters) -> Panel {
-    let points: Vec<Point2> = found.iterates.iter().enumerate().map(|(i, (_, loss))| [(i + 1) as f64, *loss]).collect();
+fn loss_panel(search: &records::FourParameters) -> Panel {
+    let points: Vec<Point2> =
+        search.iterates.iter().enumerate().map(|(i, (_, loss))| [(i + 1) as f64, *loss]).collect();
     let colour = palette::method("gauss_newton");
     let axes = Axes::new(Axis::linear("simulations", "").range(1.0, points.len().max(2) as f64), Axis::log("loss", ""));
     let axes =

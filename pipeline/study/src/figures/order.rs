@@ -30,27 +30,27 @@ fn paper_rank(name: &str) -> usize {
 }
 
 /// Subjects and what belongs to them, in the paper's order of tails.
-pub(crate) fn in_order<S: Belongs, R>(mut all: Vec<(S, R)>) -> Vec<(S, R)> {
-    all.sort_by(|(a, _), (b, _)| {
+pub(crate) fn in_order<S: Belongs, R>(mut subjects: Vec<(S, R)>) -> Vec<(S, R)> {
+    subjects.sort_by(|(a, _), (b, _)| {
         paper_rank(a.tail_name()).cmp(&paper_rank(b.tail_name())).then_with(|| a.tail_name().cmp(b.tail_name()))
     });
-    all
+    subjects
 }
 
 /// The colour of a tail; one for all that are not the paper's.
-pub fn tail_colour(name: &str) -> Colour {
+pub(crate) fn tail_colour(name: &str) -> Colour {
     palette::series(paper_rank(name))
 }
 
 /// A specimen's name capitalised: Nemo.
-pub fn capitalised(name: &str) -> String {
+pub(crate) fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The record that belongs to a tail.
-pub fn record_of<'a, S: Belongs, R>(all: &'a [(S, R)], name: &str) -> Option<&'a R> {
-    all.iter().find(|(subject, _)| subject.tail_name() == name).map(|(_, record)| record)
+pub(crate) fn record_of<'a, S: Belongs, R>(subjects: &'a [(S, R)], name: &str) -> Option<&'a R> {
+    subjects.iter().find(|(subject, _)| subject.tail_name() == name).map(|(_, record)| record)
 }
 
 #[cfg(test)]

@@ -135,10 +135,10 @@ fn inflated_scene(mesh: &Mesh, inflation: &Inflation) -> Option<Scene> {
 }
 
 /// Places of the markers at every level, measured and simulated, mm.
-fn misfit_axes(found: &Identified) -> Axes {
+fn misfit_axes(identified: &Identified) -> Axes {
     let marker_position = |(rest, moved): (&Point2, &Point2)| [0, 1].map(|k| (rest[k] + moved[k]) / MILLIMETRE);
     let axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm")).equal().legend(Legend::None);
-    found.levels.iter().fold(axes, |axes, level| {
+    identified.levels.iter().fold(axes, |axes, level| {
         // length: a level has a measured and a simulated displacement for each marker
         let measured = level.rest_m.iter().zip(&level.measured_m).map(marker_position).collect();
         let simulated = level.rest_m.iter().zip(&level.simulated_m).map(marker_position).collect();
@@ -148,8 +148,8 @@ fn misfit_axes(found: &Identified) -> Axes {
 }
 
 /// Both moduli at each simulation of the search by Gauss and Newton, and where it ends.
-fn iterate_axes(comparison: &MethodComparison, found: &Identified) -> Axes {
-    let moduli: Vec<_> = found.moduli().collect();
+fn iterate_axes(comparison: &MethodComparison, identified: &Identified) -> Axes {
+    let moduli: Vec<_> = identified.moduli().collect();
     let tried = comparison.by("gauss_newton").map_or(&[][..], |search| &search.tried);
     let path: Vec<Point2> = tried.iter().map(|t| [0, 1].map(|k| moduli[k].scale * t.at[k])).collect();
     let axis = |k: usize| Axis::linear(&format!("E, {}", moduli[k].solid), moduli[k].unit);

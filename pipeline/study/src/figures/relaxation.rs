@@ -69,15 +69,16 @@ fn shown_transients(relaxations: &All) -> Result<(&Specimen, &Transient, &Transi
             .filter(|&i| windows[i + 1].command_pa <= 0.0)
             .max_by(|&a, &b| windows[a].command_pa.total_cmp(&windows[b].command_pa))
     };
-    let transients_of =
-        |(specimen, found): &'_ (Specimen, records::Relaxation)| Some((specimen.clone(), highest(&found.transients)?));
+    let transients_of = |(specimen, relaxation): &'_ (Specimen, records::Relaxation)| {
+        Some((specimen.clone(), highest(&relaxation.transients)?))
+    };
     let first = relaxations.iter().position(|relaxation| transients_of(relaxation).is_some());
     let none = || {
         Diagnostic::new("there is no transient to show", "no film holds and releases a pressure", "film a staircase")
     };
-    let (specimen, found) = &relaxations[first.ok_or_else(none)?];
-    let hold = highest(&found.transients).ok_or_else(none)?;
-    Ok((specimen, &found.transients[hold], &found.transients[hold + 1]))
+    let (specimen, relaxation) = &relaxations[first.ok_or_else(none)?];
+    let hold = highest(&relaxation.transients).ok_or_else(none)?;
+    Ok((specimen, &relaxation.transients[hold], &relaxation.transients[hold + 1]))
 }
 
 fn held_time(window: &Transient) -> Second {
@@ -85,22 +86,22 @@ fn held_time(window: &Transient) -> Second {
 }
 
 /// Storage modulus over the identified one (0) or loss factor (1) of every specimen, with the true values where they are known.
-fn spectrum_panel(all: &All, (which, recovered): (usize, &Recovered), axis: Axis) -> Result<Panel> {
+fn spectrum_panel(relaxations: &All, (which, recovered): (usize, &Recovered), axis: Axis) -> Result<Panel> {
     let [from, to] = FREQUENCIES;
     let frequency = |i: usize| from * (to / from).powf(i as f64 / (POINTS - 1) as f64);
     let frequencies: Vec<Hertz> = (0..POINTS).map(frequency).collect();
     let mut axes = Axes::new(Axis::log("frequency", "Hz"), axis);
-    for (specimen, records::Relaxation { spectrum: found, .. }) in all {
+    for (specimen, records::Relaxation { spectrum: identified, .. }) in relaxations {
         let name = &specimen.card.name;
-        let values: Vec<f64> = frequencies.iter().map(|f| Ok(found.at(*f)?[which])).collect::<Result<_>>()?;
-        let sigma: Vec<f64> = frequencies.iter().map(|f| Ok(found.sigma_at(*f)?[which])).collect::<Result<_>>()?;
+        let values: Vec<f64> = frequencies.iter().map(|f| Ok(identified.at(*f)?[which])).collect::<Result<_>>()?;
+        let sigma: Vec<f64> = frequencies.iter().map(|f| Ok(identified.sigma_at(*f)?[which])).collect::<Result<_>>()?;
         let edge = |sign: f64| values.iter().zip(&sigma).map(|(v, s)| v + sign * WIDTH * s).collect::<Vec<_>>();
         let line: Vec<Point2> = frequencies.iter().zip(&values).map(|(f, v)| [*f, *v]).collect();
         axes = axes
             .with(Mark::band(frequencies.clone(), edge(-1.0), edge(1.0), tail_colour(name)))
             .with(Mark::line(line, tail_colour(name)).labelled(&capitalised(name)));
     }
-    for (i, (specimen, _)) in all.iter().enumerate() {
+    for (i, (specimen, _)) in relaxations.iter().enumerate() {
         let name = &specimen.card.name;
         let true_values = true_spectrum(recovered, name, which);
         if !true_values.is_empty() {

@@ -55,14 +55,19 @@ impl figure::Figure for Sysid {
 }
 
 /// Two moduli in the units in which they are printed.
-fn printed_moduli(found: &Identified, at: &[Pascal]) -> Point2 {
-    let mut scales = found.moduli().map(|m| m.scale);
-    [0, 1].map(|k| scales.next().map_or(f64::NAN, |scale| scale * at[k]))
+fn printed_moduli(identified: &Identified, moduli: &[Pascal]) -> Point2 {
+    let mut scales = identified.moduli().map(|m| m.scale);
+    [0, 1].map(|k| scales.next().map_or(f64::NAN, |scale| scale * moduli[k]))
 }
 
 /// The landscape, where there is one, and the convergence of each method on a specimen.
-fn by_all_methods(name: &str, comparison: &MethodComparison, all: &[(Specimen, Identified)]) -> Vec<Placed> {
-    let identified = all.iter().find(|(specimen, _)| specimen.card.name == name).map(|(_, identified)| identified);
+fn by_all_methods(
+    name: &str,
+    comparison: &MethodComparison,
+    identifications: &[(Specimen, Identified)],
+) -> Vec<Placed> {
+    let identified =
+        identifications.iter().find(|(specimen, _)| specimen.card.name == name).map(|(_, identified)| identified);
     let name = capitalised(name);
     let landscape = identified.filter(|_| !comparison.surface.loss.is_empty()).map(|identified| {
         landscape_panel(identified, comparison).titled(&format!("{name}: loss over both moduli")).share(1.15)
@@ -71,13 +76,15 @@ fn by_all_methods(name: &str, comparison: &MethodComparison, all: &[(Specimen, I
     landscape.into_iter().chain([curves]).collect()
 }
 
-fn landscape_panel(found: &Identified, comparison: &MethodComparison) -> Panel {
+fn landscape_panel(identified: &Identified, comparison: &MethodComparison) -> Panel {
     let surface = &comparison.surface;
     let points = |method: &str| -> Vec<Point2> {
-        comparison.by(method).map_or(Vec::new(), |s| s.tried.iter().map(|t| printed_moduli(found, &t.at)).collect())
+        comparison
+            .by(method)
+            .map_or(Vec::new(), |s| s.tried.iter().map(|t| printed_moduli(identified, &t.at)).collect())
     };
     let (path, grid) = (points("adam"), points("grid"));
-    let moduli: Vec<_> = found.moduli().collect();
+    let moduli: Vec<_> = identified.moduli().collect();
     let axis = |k: usize, values: &[Pascal]| {
         let modulus = &moduli[k];
         (
@@ -92,20 +99,24 @@ fn landscape_panel(found: &Identified, comparison: &MethodComparison) -> Panel {
         ColourBar::log("loss", ""),
     );
     let critical: Vec<f64> = surface.critical.iter().map(|p| if *p > 0.0 { *p } else { f64::NAN }).collect();
-    let map = film_pressures(found).iter().fold(map, |map, level| {
+    let map = film_pressures(identified).iter().fold(map, |map, level| {
         let text = format!("buckles at {:.0} mbar", level / MILLIBAR);
         map.with_isoline(critical.clone(), *level, &text, palette::BLACK)
     });
     let map = map
         .with(Mark::points(grid, Marker::Plus, palette::BLACK).sized(3.6).labelled("grid"))
         .with_path(path, palette::PAPER, "Adam")
-        .with(Mark::cross(printed_moduli(found, &found.best), palette::OPTIMUM).sized(8.0).labelled("identified"));
+        .with(
+            Mark::cross(printed_moduli(identified, &identified.best), palette::OPTIMUM)
+                .sized(8.0)
+                .labelled("identified"),
+        );
     Panel::Landscape(map)
 }
 
 /// The pressures of the first film, Pa.
-fn film_pressures(found: &Identified) -> Vec<Pascal> {
-    let films = found.levels.chunk_by(|a, b| a.trial == b.trial);
+fn film_pressures(identified: &Identified) -> Vec<Pascal> {
+    let films = identified.levels.chunk_by(|a, b| a.trial == b.trial);
     films.take(1).flatten().map(Level::pressure).collect()
 }
 
@@ -123,10 +134,10 @@ fn convergence_panel(comparison: &MethodComparison) -> Panel {
 }
 
 /// The back at each level: the clamp and the markers, seen from above, mm.
-fn shape_panel(found: &Identified) -> Panel {
+fn shape_panel(identified: &Identified) -> Panel {
     let mut axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm")).equal();
-    let highest = found.levels.iter().map(Level::pressure).fold(f64::MIN_POSITIVE, f64::max);
-    for (i, level) in found.levels.iter().enumerate() {
+    let highest = identified.levels.iter().map(Level::pressure).fold(f64::MIN_POSITIVE, f64::max);
+    for (i, level) in identified.levels.iter().enumerate() {
         let colour = palette::heat(0.85 * level.pressure() / highest);
         let simulated = Mark::line(back_curve(level, &level.simulated_m), colour).sized(1.3);
         let measured = back_curve(level, &level.measured_m);
@@ -137,7 +148,7 @@ fn shape_panel(found: &Identified) -> Panel {
         };
         axes = axes.with(simulated).with(points);
     }
-    Panel::Axes(pressure_labels(&found.levels).into_iter().fold(axes, Axes::with).legend(plot::Legend::Over))
+    Panel::Axes(pressure_labels(&identified.levels).into_iter().fold(axes, Axes::with).legend(plot::Legend::Over))
 }
 
 /// The pressure of each level beside the back's end, of the highest first; one that would lie on another is left out.
@@ -169,11 +180,11 @@ fn back_curve(level: &Level, moved: &[Point2]) -> Vec<Point2> {
 }
 
 /// The largest error at each pressure: a colour a tail, solid lines for films of the left side, dashed for the right.
-fn error_panel(all: &[(Specimen, Identified)]) -> Panel {
-    let top = 1.2 * all.iter().map(|(_, found)| largest_error_mm(found)).fold(LEAST_MM, f64::max);
+fn error_panel(identifications: &[(Specimen, Identified)]) -> Panel {
+    let top = 1.2 * identifications.iter().map(|(_, identified)| largest_error_mm(identified)).fold(LEAST_MM, f64::max);
     let axes = Axes::new(Axis::linear("pressure", "mbar"), Axis::linear("largest error", "mm").range(0.0, top));
-    let axes = all.iter().fold(axes, |axes, (specimen, found)| {
-        let films = found.levels.chunk_by(|a, b| a.trial == b.trial).enumerate();
+    let axes = identifications.iter().fold(axes, |axes, (specimen, identified)| {
+        let films = identified.levels.chunk_by(|a, b| a.trial == b.trial).enumerate();
         films.fold(axes, |axes, (i, film)| film_errors(axes, specimen, film, i))
     });
     Panel::Axes(axes.legend(plot::Legend::Over))
@@ -193,6 +204,6 @@ fn film_errors(axes: Axes, specimen: &Specimen, film: &[Level], index: usize) ->
         .with(Mark::points(points, marker, colour).sized(4.0))
 }
 
-fn largest_error_mm(found: &Identified) -> f64 {
-    found.levels.iter().map(Level::largest_error).fold(0.0, f64::max) / MILLIMETRE
+fn largest_error_mm(identified: &Identified) -> f64 {
+    identified.levels.iter().map(Level::largest_error).fold(0.0, f64::max) / MILLIMETRE
 }

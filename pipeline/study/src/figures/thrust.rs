@@ -49,9 +49,9 @@ impl figure::Figure for Thrust {
 }
 
 /// Points against time from the trace's first sample on.
-fn trace_curve(trace: &Trace, values: &[f64], by: f64) -> Vec<Point2> {
+fn trace_curve(trace: &Trace, values: &[f64], scale: f64) -> Vec<Point2> {
     let first = trace.time.first().copied().unwrap_or(0.0);
-    trace.time.iter().zip(values).map(|(t, v)| [t - first, by * v]).collect()
+    trace.time.iter().zip(values).map(|(t, v)| [t - first, scale * v]).collect()
 }
 
 fn motion_panel(specimen: &Specimen, trace: &Trace) -> Placed {

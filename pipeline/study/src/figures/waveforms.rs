@@ -31,11 +31,11 @@ impl figure::Figure for Waveforms {
 
     fn draw(Every(actuations): Self::Needs) -> Result<Figure> {
         let actuations = in_order(actuations);
-        let row = |figure: Figure, (specimen, found): &(Specimen, OptimalActuation)| {
+        let row = |figure: Figure, (specimen, actuation): &(Specimen, OptimalActuation)| {
             let name = capitalised(&specimen.card.name);
-            match &found.waveforms {
+            match &actuation.waveforms {
                 Some(waveforms) => figure.row(50.0, waveform_panels(&name, waveforms)),
-                None => figure.row(50.0, [scan_panel(found).titled(&format!("{name}: square waves alone"))]),
+                None => figure.row(50.0, [scan_panel(actuation).titled(&format!("{name}: square waves alone"))]),
             }
         };
         let figure = actuations.iter().fold(Figure::new(DOUBLE_COLUMN_MM), row);
@@ -88,10 +88,10 @@ fn sweep_panel(waveforms: &OptimalWaveforms) -> Panel {
 }
 
 /// Mean thrust of the scanned square waves, by the first thrust model.
-fn scan_panel(found: &OptimalActuation) -> Panel {
+fn scan_panel(actuation: &OptimalActuation) -> Panel {
     let thrust = |p: &::thrust::square_wave_search::ActuationPoint| Some([p.frequency_hz, 1e3 * p.thrust_n.first()?]);
     let axes = Axes::new(Axis::linear("frequency", "Hz"), Axis::linear("mean thrust", "mN")).with(Mark::points(
-        found.scan.iter().filter_map(thrust).collect(),
+        actuation.scan.iter().filter_map(thrust).collect(),
         Marker::Disc,
         palette::MUTED,
     ));

@@ -1,4 +1,4 @@
-//! The predicted amplitude of the tip with its interval: what identification left open, carried through the motion.
+//! The predicted amplitude of the tip with its interval, to which the uncertainty of the identified parameters is propagated.
 
 use fem::DynamicSettings;
 use hydro::Coefficients;

@@ -16,7 +16,7 @@ impl Fitting<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the best moduli, or the data do not determine them.
-    pub fn assemble_record(
+    pub(crate) fn assemble_record(
         &self,
         minimum: &Minimum,
         finer: Result<Model, String>,

@@ -19,18 +19,18 @@ pub struct QuasiStatic<'a> {
 }
 
 /// The error of each baseline; `frequency` (Hz) is that of a periodic motion.
-pub fn baseline_errors(
-    seen: &AlignedRepeats,
+pub(crate) fn baseline_errors(
+    repeats: &AlignedRepeats,
     quasi_static: &QuasiStatic,
     frequency: Option<Hertz>,
 ) -> Vec<ScoredModel> {
     let scored = |name: &str, rmse: Metre| ScoredModel { name: name.into(), rmse };
-    let count = seen.mean.len();
+    let count = repeats.mean.len();
     let mut scores = vec![
-        scored("rest", rms(&seen.mean, &vec![[0.0; 2]; count])),
-        scored("quasi_static", rms(&seen.mean, &quasi_static.static_path(count))),
+        scored("rest", rms(&repeats.mean, &vec![[0.0; 2]; count])),
+        scored("quasi_static", rms(&repeats.mean, &quasi_static.static_path(count))),
     ];
-    scores.extend(frequency.map(|f| scored("last_cycle", last_cycle(seen, 1.0 / f))));
+    scores.extend(frequency.map(|f| scored("last_cycle", last_cycle(repeats, 1.0 / f))));
     scores
 }
 
@@ -69,12 +69,13 @@ fn interpolated(curve: &[(Pascal, Point2)], pressure: Pascal) -> Point2 {
 }
 
 /// From the second cycle on.
-fn last_cycle(seen: &AlignedRepeats, period: Second) -> Metre {
-    let frame_interval = (seen.time[seen.time.len() - 1] - seen.time[0]) / (seen.time.len() - 1).max(1) as f64;
+fn last_cycle(repeats: &AlignedRepeats, period: Second) -> Metre {
+    let frame_interval =
+        (repeats.time[repeats.time.len() - 1] - repeats.time[0]) / (repeats.time.len() - 1).max(1) as f64;
     let frames_per_cycle = (period / frame_interval).round() as usize;
-    let moves = seen.mean.iter().position(|p| p[0].hypot(p[1]) > 1e-3).unwrap_or(0);
-    let first_frame = (moves + frames_per_cycle).min(seen.mean.len() - 1);
-    rms(&seen.mean[first_frame..], &seen.mean[first_frame - frames_per_cycle.min(first_frame)..])
+    let moves = repeats.mean.iter().position(|p| p[0].hypot(p[1]) > 1e-3).unwrap_or(0);
+    let first_frame = (moves + frames_per_cycle).min(repeats.mean.len() - 1);
+    rms(&repeats.mean[first_frame..], &repeats.mean[first_frame - frames_per_cycle.min(first_frame)..])
 }
 
 #[cfg(test)]

@@ -83,10 +83,10 @@ impl Stage for Drag {
         let settings = dynamic_settings(Scheme::Bdf2, set.step);
         let comparison = ReleaseComparison { set, film: &film, actuation, settings };
         let mut simulations = 0;
-        let mut evaluated = |at: &[Coefficients]| -> Result<Vec<Vec<f64>>> {
-            simulations += at.len();
+        let mut evaluated = |points: &[Coefficients]| -> Result<Vec<Vec<f64>>> {
+            simulations += points.len();
             context.progress(0.2 + 0.8 * (simulations as f64 / (3 * set.iterations) as f64).min(1.0), "releasing");
-            at.par_iter().map(|by| comparison.residuals(&underwater, *by)).collect()
+            points.par_iter().map(|coefficients| comparison.residuals(&underwater, *coefficients)).collect()
         };
         let release = set.release_settings().identify(&mut evaluated)?;
         let uncertain = UncertainSilicone { model: &model, identified: &identified, relaxation: &relaxation };
@@ -117,14 +117,15 @@ struct ReleaseComparison<'a> {
 
 impl ReleaseComparison<'_> {
     /// Simulated less filmed positions over their standard deviation, no unit.
-    fn residuals(&self, model: &UnderwaterModel, by: Coefficients) -> Result<Vec<f64>> {
-        let path = model.path(&self.settings, by, &self.actuation)?;
+    fn residuals(&self, model: &UnderwaterModel, coefficients: Coefficients) -> Result<Vec<f64>> {
+        let path = model.path(&self.settings, coefficients, &self.actuation)?;
         let exposure = self.set.exposure * frame_interval(&self.film.times);
         let (simulated, filmed) = self.film.compared(&path, exposure);
         Ok(simulated.iter().zip(filmed).map(|(s, m)| (s - m) / self.set.sigma).collect())
     }
 
-    /// The residuals of a silicone one standard deviation off, by those of a model a [`PART`] of one off, at the identified coefficients.
+    /// The residuals of a silicone one standard deviation off, by those of a model a [`PART`] of one off, at the identified
+    /// coefficients.
     fn extrapolated_residuals(&self, model: &UnderwaterModel, release: &Release) -> Result<Vec<f64>> {
         let perturbed = self.residuals(model, release.by)?;
         Ok(perturbed.iter().zip(release.residuals()).map(|(other, best)| best + (other - best) / PART).collect())
@@ -146,8 +147,8 @@ impl Settings {
     /// tail that is released as if it had just been filled returns too far, and the drag would have to make up for that.
     fn time_steps(&self, hold: &Hold) -> Vec<Second> {
         let Self { step, vibration, longest_step: longest, duration, .. } = *self;
-        let [held, end] = [hold.released, hold.end].map(|t| t - hold.begin);
-        TimeSteps { step, vibration: vibration.max(duration), longest }.ends(&[0.0, held], end)
+        let [release, end] = [hold.released, hold.end].map(|t| t - hold.begin);
+        TimeSteps { step, vibration: vibration.max(duration), longest }.ends(&[0.0, release], end)
     }
 
     fn release_settings(&self) -> ReleaseSettings {

@@ -77,30 +77,28 @@ impl Stage for Example {
         context: &dyn StageContext,
     ) -> Result<records::ExampleFrames> {
         let (camera, tracks, markers, motion) = needs;
-        let holds: Vec<Held> =
-            command_holds(&motion).into_iter().filter_map(|hold| settled_frame(&motion, hold)).collect();
+        let holds = settled_frames(&motion);
         let shown = nearest_hold(&holds, set.pressure).ok_or_else(no_hold)?;
         let frames: Vec<usize> = std::iter::once(0).chain(holds.iter().map(|hold| hold.frame)).collect();
         let mut pictures = decoded_pictures(card, &frames, context)?;
         let film_pose = markers.stand.map(|s| Pose { rotation: s.rotation, translation: s.translation_m });
         let posed_camera = Camera { pose: film_pose.unwrap_or(camera.pose), ..camera };
-        let silhouettes =
-            wall_silhouettes((card, set), (&posed_camera, &motion), frames.iter().copied().zip(&pictures));
+        let filmed = frames.iter().copied().zip(&pictures);
+        let silhouettes = wall_silhouettes((card, set), (&posed_camera, &motion), filmed);
         let pressures = holds.iter().map(|hold| hold.measured.iter().copied().fold(0.0, f64::max));
         let walls = pressures.zip(silhouettes).filter_map(|(p, walls)| Some((p, walls?))).collect();
-        let (frame, held) = (holds[shown].frame, &holds[shown]);
+        let shown_hold = &holds[shown];
         let markers_px = |frame: usize| -> Vec<Point2> { tracks.markers.iter().map(|m: &Path| m.at[frame]).collect() };
-        let rest_px = markers_px(0);
         let window_px = picture_window(card, &camera, &set.window);
         let level = |hold: &Held| HeldLevel { pressures_pa: hold.measured.clone(), markers_px: markers_px(hold.frame) };
         let frame_data = FrameData {
-            time_s: motion.time[frame],
-            command_pa: held.command,
-            pressures_pa: held.measured.clone(),
-            px_per_m: picture_scale(card, &rest_px).ok_or_else(no_scale)?,
+            time_s: motion.time[shown_hold.frame],
+            command_pa: shown_hold.command,
+            pressures_pa: shown_hold.measured.clone(),
+            px_per_m: picture_scale(card, &markers_px(0)).ok_or_else(no_scale)?,
             window_px,
-            held_px: markers_px(frame),
-            rest_px,
+            held_px: markers_px(shown_hold.frame),
+            rest_px: markers_px(0),
             eye_m: posed_camera.pose.centre(),
             camera_pose: (posed_camera.pose.rotation, posed_camera.pose.translation),
             levels: holds.iter().map(level).collect(),
@@ -143,6 +141,11 @@ struct Held {
     frame: usize,
     command: Pascal,
     measured: Vec<Pascal>,
+}
+
+/// Near the end of every hold that the film shows.
+fn settled_frames(motion: &Motion) -> Vec<Held> {
+    command_holds(motion).into_iter().filter_map(|hold| settled_frame(motion, hold)).collect()
 }
 
 /// Near the end of a hold; none where the film ends before.
@@ -221,13 +224,9 @@ mod tests {
         }
     }
 
-    fn held_in(motion: &Motion) -> Vec<Held> {
-        command_holds(motion).into_iter().filter_map(|hold| settled_frame(motion, hold)).collect()
-    }
-
     #[test]
     fn the_level_nearest_to_a_pressure_is_taken_when_it_has_settled() {
-        let found = held_in(&staircase(200));
+        let found = settled_frames(&staircase(200));
         let held = &found[nearest_hold(&found, 11.9e3).unwrap()];
         // sample 189, at 0.945 s
         assert_eq!((held.command, held.frame), (1e4, 95));
@@ -237,9 +236,9 @@ mod tests {
 
     #[test]
     fn a_level_that_the_film_does_not_show_is_left_out_and_a_log_without_a_command_holds_nothing() {
-        assert_eq!(held_in(&staircase(150)).len(), 1);
+        assert_eq!(settled_frames(&staircase(150)).len(), 1);
         let mut silent = staircase(200);
         silent.gauges[0].command.fill(0.0);
-        assert_eq!(nearest_hold(&held_in(&silent), 1e4), None);
+        assert_eq!(nearest_hold(&settled_frames(&silent), 1e4), None);
     }
 }

@@ -37,32 +37,35 @@ impl Stage for Findings {
     fn run((): &(), _: &Settings, needs: Self::Needs, _: &dyn StageContext) -> Result<Record> {
         let ((Every(identified), Every(compared), recovered), Every(validated), Every(thrusts), Every(cells)) = needs;
         let mut findings = Vec::new();
-        for (specimen, one) in &identified {
-            let (metric, value, unit) = of_identified(one);
+        for (specimen, model) in &identified {
+            let (metric, value, unit) = of_identified(model);
             findings.push(named_finding(&specimen.0, metric, value, unit));
         }
-        for (specimen, one) in &compared {
+        for (specimen, comparison) in &compared {
             findings.extend(
-                of_compared(one).into_iter().map(|(metric, v, unit)| named_finding(&specimen.0, metric, v, unit)),
+                of_compared(comparison)
+                    .into_iter()
+                    .map(|(metric, v, unit)| named_finding(&specimen.0, metric, v, unit)),
             );
         }
         for (specimen, walls) in recovered.specimens.iter().filter_map(|s| Some((&s.name, s.walls?))) {
             let error = walls.critical_pressure_pa.abs() / si::MILLIBAR;
             findings.push(named_finding(specimen, "critical_pressure_error_mbar", error, "mbar"));
         }
-        for (trial, one) in &validated {
+        for (trial, validation) in &validated {
             findings.extend(
-                undamped_increase(one).map(|v| named_finding(&trial.0, "undamped_rmse_increase_percent", v, "%")),
+                undamped_increase(validation)
+                    .map(|v| named_finding(&trial.0, "undamped_rmse_increase_percent", v, "%")),
             );
         }
-        for (specimen, one) in &thrusts {
+        for (specimen, thrust) in &thrusts {
             findings.extend(
-                of_thrust(one).into_iter().map(|(metric, v, unit)| named_finding(&specimen.0, metric, v, unit)),
+                of_thrust(thrust).into_iter().map(|(metric, v, unit)| named_finding(&specimen.0, metric, v, unit)),
             );
         }
-        for (specimen, one) in &cells {
-            let lowest = one.example.measured.iter().copied().fold(0.0, f64::min);
-            findings.push(named_finding(&specimen.0, "measured_minimum_over_noise", lowest / one.noise, ""));
+        for (specimen, cell) in &cells {
+            let lowest = cell.example.measured.iter().copied().fold(0.0, f64::min);
+            findings.push(named_finding(&specimen.0, "measured_minimum_over_noise", lowest / cell.noise, ""));
         }
         Ok(Record { found: findings })
     }

@@ -100,13 +100,14 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// A [`Diagnostic`] when there is no film, a film holds no pressure, or the simulator refuses the mesh.
     pub fn new(card: &'a Card, set: &'a Settings, mesh: &'a Mesh, films: &Films) -> Result<Self> {
-        let (mut levels_of_films, mut origins, mut counts, mut held) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut levels_of_films, mut origins, mut counts, mut hold_times) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for ((trial, motion), (_, markers)) in films.0.0.iter().zip(&films.1.0) {
             let levels = pressure_levels(motion, markers, set.settled_fraction, set.shortest_hold)
                 .map_err(|d| d.while_doing(&trial.0))?;
             origins.extend(levels.iter().map(|_| (trial.0.clone(), motion.rest.clone())));
             counts.push(levels.len());
-            held.extend(held_times(motion, set.settled_fraction, set.shortest_hold));
+            hold_times.extend(held_times(motion, set.settled_fraction, set.shortest_hold));
             levels_of_films.extend(levels);
         }
         if levels_of_films.is_empty() {
@@ -116,7 +117,7 @@ impl<'a> Fitting<'a> {
         let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
         let misfit = Misfit::new(levels_of_films, &counts, &noise, card.body.length)?;
         let loss = Loss { body: &card.body, model, misfit, gauge: WallGauge::new(mesh).of_levels() };
-        let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
+        let modulus_time = hold_times.iter().sum::<Second>() / hold_times.len().max(1) as f64;
         Ok(Self { set, loss, noise, modulus_time, origins })
     }
 

@@ -64,7 +64,7 @@ impl Stage for FourParameters {
         let (best, losses) = fit.certified_search(&search, context)?;
         let uncertainty = posterior_uncertainty(&best)?;
         let iterates =
-            losses.iter().map(|(at, loss)| (four_constants(&elastic_constants(&model, at)), *loss)).collect();
+            losses.iter().map(|(point, loss)| (four_constants(&elastic_constants(&model, point)), *loss)).collect();
         let four_best = four_constants(&elastic_constants(&model, &best.at));
         let plausible = [card.materials[0].plausible, card.materials[1].plausible, set.body_nu, set.spine_nu];
         Ok(records::FourParameters { best: four_best, loss: best.loss, iterates, plausible, uncertainty })
@@ -84,10 +84,10 @@ fn search_problem(card: &Body, set: &Settings, model: &Model) -> Result<Problem>
     Problem::new(&NAMES, start, bounds).map_err(Diagnostic::from)
 }
 
-fn elastic_constants(model: &Model, at: &[f64]) -> Elastic {
+fn elastic_constants(model: &Model, point: &[f64]) -> Elastic {
     let Elastic { youngs_moduli, poissons_ratios, stiffening } = &model.nominal;
-    let modulus = |r: usize| youngs_moduli[r] * at[r].exp();
-    let ratio = |r: usize| 0.5 - (0.5 - poissons_ratios[r]) * at[2 + r].exp();
+    let modulus = |r: usize| youngs_moduli[r] * point[r].exp();
+    let ratio = |r: usize| 0.5 - (0.5 - poissons_ratios[r]) * point[2 + r].exp();
     Elastic {
         youngs_moduli: vec![modulus(0), modulus(1)],
         poissons_ratios: vec![ratio(0), ratio(1)],
@@ -95,8 +95,8 @@ fn elastic_constants(model: &Model, at: &[f64]) -> Elastic {
     }
 }
 
-fn four_constants(at: &Elastic) -> Four {
-    let (e, nu) = (&at.youngs_moduli, &at.poissons_ratios);
+fn four_constants(elastic: &Elastic) -> Four {
+    let (e, nu) = (&elastic.youngs_moduli, &elastic.poissons_ratios);
     Four { body_e_pa: e[0], spine_e_pa: e[1], body_nu: nu[0], spine_nu: nu[1] }
 }
 
@@ -146,21 +146,21 @@ impl Fit<'_> {
             return Err(Diagnostic::new("there is no gauss_newton", "`optimize` does not list it", "restore it"));
         };
         let mut optimiser = (member.build)(search, &settings)?;
-        let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-            let constants = elastic_constants(model, at);
+        let mut evaluate = |point: &Vec<f64>| -> Result<Evaluation> {
+            let constants = elastic_constants(model, point);
             let Ok(simulated) = solver.solve(&constants, Derivatives::AllSensitivities) else {
-                return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
+                return Ok(Evaluation::of_loss(point.clone(), f64::INFINITY));
             };
             let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
             let loss = levels.loss(&markers);
-            losses.push((at.clone(), loss));
+            losses.push((point.clone(), loss));
             let compressibilities = constants.poissons_ratios.iter().map(|nu| nu - 0.5);
             let parameters: Vec<f64> = constants.youngs_moduli.iter().copied().chain(compressibilities).collect();
             let residuals = levels.residuals(&simulated, &parameters)?;
-            Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), loss) })
+            Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(point.clone(), loss) })
         };
         let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-            batch.iter().map(|at| evaluate(at).map_err(Interrupted)).collect()
+            batch.iter().map(|point| evaluate(point).map_err(Interrupted)).collect()
         };
         let best = optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?.best;
         Ok((best, losses))

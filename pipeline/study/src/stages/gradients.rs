@@ -16,10 +16,10 @@ const EXACT: f64 = 1e-9;
 ///
 /// # Errors
 /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the start.
-pub(super) fn gradient_difference(loss: &Loss, search: &Problem, known: &LevelSolver) -> Result<f64> {
-    let mut solver = known.with(loss.misfit.levels.clone(), statics(EXACT));
+pub(super) fn gradient_difference(loss: &Loss, search: &Problem, solved: &LevelSolver) -> Result<f64> {
+    let mut solver = solved.with(loss.misfit.levels.clone(), statics(EXACT));
     let start = [search.start()[0], search.start()[1]];
-    let mut evaluate = |at: [f64; 2], needs: Needs| loss.evaluate(&mut solver, &at, needs, &mut Vec::new());
+    let mut evaluate = |point: [f64; 2], needs: Needs| loss.evaluate(&mut solver, &point, needs, &mut Vec::new());
     let adjoint = evaluate(start, Needs::Gradient)?.gradient.unwrap_or_default();
     let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
     let mut worst = 0.0_f64;

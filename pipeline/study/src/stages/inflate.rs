@@ -118,7 +118,9 @@ fn pressure_levels(
     let even = (1..=count).map(|i| filled_to(highest * i as f64 / count as f64));
     let mut levels: Vec<Vec<Pascal>> = Vec::new();
     for level in held.chain(even) {
-        if levels.iter().all(|known| (highest_pressure(known) - highest_pressure(&level)).abs() > SAME_LEVEL * highest)
+        if levels
+            .iter()
+            .all(|listed| (highest_pressure(listed) - highest_pressure(&level)).abs() > SAME_LEVEL * highest)
         {
             levels.push(level);
         }
@@ -153,20 +155,20 @@ fn solve_levels(
     Ok(solved.into_iter().skip(1).map(|(_, shape)| shape).collect())
 }
 
-fn inflated_shape((mesh, gauge): (&Mesh, &WallGauge), pressures: &[Pascal], moved: Vec<Point3>) -> Shape {
-    let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&moved).map(|(&x, &u)| vec3::add(x, u)).collect();
+fn inflated_shape((mesh, gauge): (&Mesh, &WallGauge), pressures: &[Pascal], displacements: Vec<Point3>) -> Shape {
+    let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&displacements).map(|(&x, &u)| vec3::add(x, u)).collect();
     let walls = gauge.walls_of_shape(pressures, &nodes);
     let rotation = end_rotation(&mesh.solid.nodes, &nodes);
-    Shape { pressures_pa: pressures.to_vec(), moved, walls, silhouette: None, rotation }
+    Shape { pressures_pa: pressures.to_vec(), moved: displacements, walls, silhouette: None, rotation }
 }
 
 /// Measures the silhouettes of shapes whose nodes have all moved, as `eye` (m) sees them.
 fn measure_silhouettes(shapes: &mut [Shape], card: &Card, mesh: &Mesh, eye: Point3) {
     let Some(stations) = Stations::new(card.body.clamp.end(), &card.body.markers) else { return };
-    let (rest, _) = stations.of_solid((&mesh.solid, &mesh.markers), &mesh.solid.nodes, eye);
+    let (undeformed, _) = stations.of_solid((&mesh.solid, &mesh.markers), &mesh.solid.nodes, eye);
     for shape in shapes {
         let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&shape.moved).map(|(&x, &u)| vec3::add(x, u)).collect();
-        shape.silhouette = stations.walls(&stations.of_solid((&mesh.solid, &mesh.markers), &nodes, eye), &rest);
+        shape.silhouette = stations.walls(&stations.of_solid((&mesh.solid, &mesh.markers), &nodes, eye), &undeformed);
     }
 }
 

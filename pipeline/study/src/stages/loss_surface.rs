@@ -33,8 +33,10 @@ pub(super) fn loss_surface(
     let Some(full) = landscape::completed(&points, &across, &up) else {
         return Ok((grid_surface(loss, evaluated, &across, &up), Vec::new()));
     };
-    let points: Vec<(&[f64], &[Vec<Point2>])> = full.iter().map(|(at, m)| (at.as_slice(), m.as_slice())).collect();
-    let judge = |at: &[Vec<Point2>]| vec![loss.misfit.loss(at), loss.misfit.chi_square(at).unwrap_or(f64::NAN)];
+    let points: Vec<(&[f64], &[Vec<Point2>])> =
+        full.iter().map(|(point, m)| (point.as_slice(), m.as_slice())).collect();
+    let judge =
+        |markers: &[Vec<Point2>]| vec![loss.misfit.loss(markers), loss.misfit.chi_square(markers).unwrap_or(f64::NAN)];
     let fine = landscape::between(&points, landscape_points, &judge);
     let critical = critical_pressures(evaluated, (&across, &up), (&fine.across, &fine.up));
     let moduli = &loss.model.nominal.youngs_moduli;

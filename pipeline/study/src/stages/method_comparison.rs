@@ -118,8 +118,8 @@ impl Stage for Comparison {
         }
         let loss = identification_loss(&card.body, &mesh, &identified)?;
         context.progress(0.1, "the whole body trains a reduced model");
-        let (whole, mut bounds) = (loss.solver(set.static_tolerance, set.parallel_solves), loss.bounds());
-        let mut trained = TrainedBox::new(&loss, whole, identified.elastic(&loss.model), &mut bounds)?;
+        let (whole_body, mut bounds) = (loss.solver(set.static_tolerance, set.parallel_solves), loss.bounds());
+        let mut trained = TrainedBox::new(&loss, whole_body, identified.elastic(&loss.model), &mut bounds)?;
         let comparing = Comparing { set, loss: &loss, problem: loss.problem(bounds)?, context };
         let (results, certificate) = trained.certified(&mut |reduced| comparing.searches_by_all(reduced))?;
         let searches =

@@ -95,8 +95,8 @@ impl Stage for OptimalActuation {
         let model = mesh.model(&card.body)?.with_spots(spots);
         let reduced_body = ReducedBody::of(&model, &relaxation.silicone(&model, &identified)?, &reduced.data)?;
         let tail = outline.marked(thrust.density, thrust.sections)?;
-        let rows = reduced_body.rows(&card.body.markers_by_x());
-        let stations = reduced_body.rows(&(card.body.markers.len()..reduced_body.markers()).collect::<Vec<_>>());
+        let stations: Vec<usize> = (card.body.markers.len()..reduced_body.markers()).collect();
+        let (rows, stations) = (reduced_body.rows(&card.body.markers_by_x()), reduced_body.rows(&stations));
         let flapping = FlappingModel {
             reduced_body: &reduced_body,
             tail: &tail,
@@ -116,9 +116,8 @@ impl Stage for OptimalActuation {
         context.progress(0.8, "gradient ascent of a waveform");
         let recorded = best_recorded(&thrust.runs, &limits)?;
         let actuated = Actuated { flapping: &flapping, theory: &thrust.coefficients, limits, set };
-        let waveforms = valve_of_films(&films).map(|valve| actuated.optimal_waveforms(valve, recorded)).transpose()?;
         Ok(Record {
-            waveforms: waveforms.flatten(),
+            waveforms: actuated.optimal_waveforms(&films, recorded)?,
             highest_pa: limits.amplitude,
             frequencies_hz: limits.frequency,
             best,
@@ -154,10 +153,15 @@ struct Actuated<'a> {
 }
 
 impl Actuated<'_> {
-    /// The optimal waveforms behind a valve; none for a law that no twin has. Thrust is without the constant of fitted theory, which a tail at rest has
-    /// too: over no air it would be without limit.
-    fn optimal_waveforms(&self, valve: Valve, recorded: &Run) -> Result<Option<OptimalWaveforms>> {
+    /// The optimal waveforms behind the valve of the films; none without one, or for a law that no twin has. Thrust is without
+    /// the constant of fitted theory, which a tail at rest has too: over no air it would be without limit.
+    fn optimal_waveforms(
+        &self,
+        films: &IdentificationTrials<Motion>,
+        recorded: &Run,
+    ) -> Result<Option<OptimalWaveforms>> {
         let Self { flapping, theory, limits, set } = *self;
+        let Some(valve) = valve_of_films(films) else { return Ok(None) };
         let &[edge_flux, momentum_rate, drag, inertia, _] = theory else { return Ok(None) };
         if !flapping.reduced_body.has_twin() {
             return Ok(None);

@@ -16,7 +16,7 @@ use sysid::PressureLevel;
 ///
 /// # Errors
 /// A [`Diagnostic`] when the log holds no pressure or the film ends before the first hold.
-pub fn pressure_levels(
+pub(crate) fn pressure_levels(
     motion: &Motion,
     markers: &Markers,
     settled: f64,

@@ -74,17 +74,17 @@ impl Stage for Reduce {
 }
 
 /// The chambers that no trial fills: no motion of theirs is predicted, and each would take as many equilibria as one that is filled.
-pub(crate) fn idle_chambers(of: &Specimen) -> Vec<usize> {
-    let fills = |channel: &String| of.trials().iter().any(|t| t.trial.experiment.channels().contains(channel));
-    let chambers = of.card.chamber.iter().enumerate();
+pub(crate) fn idle_chambers(specimen: &Specimen) -> Vec<usize> {
+    let fills = |channel: &String| specimen.trials().iter().any(|t| t.trial.experiment.channels().contains(channel));
+    let chambers = specimen.card.chamber.iter().enumerate();
     chambers.filter(|(_, chamber)| !fills(&chamber.channel)).map(|(k, _)| k).collect()
 }
 
 /// The highest commanded pressure of the predicted motions, Pa; 0 where none is.
-fn highest_command(of: &Specimen) -> Pascal {
+fn highest_command(specimen: &Specimen) -> Pascal {
     let highest_of_trial = |trial: &Trial| match trial.trial.experiment {
         Experiment::Flapping { amplitude, .. } => amplitude,
         Experiment::Staircase { .. } => trial.trial.experiment.highest_level().unwrap_or(0.0),
     };
-    of.trials().iter().filter(|t| t.is_for_validation()).map(highest_of_trial).fold(0.0, f64::max)
+    specimen.trials().iter().filter(|t| t.is_for_validation()).map(highest_of_trial).fold(0.0, f64::max)
 }

@@ -26,7 +26,7 @@ pub struct AlignedRepeats {
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no film, or one commands nothing.
-pub fn align_repeats(films: &[Motion], marker: usize) -> Result<AlignedRepeats> {
+pub(crate) fn align_repeats(films: &[Motion], marker: usize) -> Result<AlignedRepeats> {
     let begins: Vec<Second> = films.iter().map(first_command).collect::<Result<_>>()?;
     let Some((first, begin)) = films.first().zip(begins.first()) else {
         return Err(Diagnostic::new("there is no film to compare with", "the trial has no repeats", "record one"));

@@ -173,7 +173,8 @@ impl Prediction<'_> {
         dynamic_settings(Scheme::Bdf2, self.set.step)
     }
 
-    /// The condition by this study's model, then by each model on the way back to the paper's; `elastic` is the body without relaxation.
+    /// The condition by this study's model, then by each model on the way back to the paper's; `elastic` is the body without
+    /// relaxation.
     fn paths_of_models(&self, elastic: &ReducedBody) -> Result<PredictedPaths> {
         let (second_order, euler) = (self.second_order(), dynamic_settings(Scheme::ImplicitEuler, self.set.euler_step));
         // from this study's model back to the paper's own: without relaxation, without a scheme of second order, without water
@@ -204,14 +205,16 @@ impl Prediction<'_> {
             settings: &self.second_order(),
         };
         let first_part = Actuation { end: self.end_after(self.set.interval_duration), ..self.actuation() };
-        let simulate = |body: &ReducedBody, settings: &DynamicSettings, by: Option<_>, actuation: &Actuation| {
-            self.simulated_path(body, settings, by, actuation)
-        };
+        let simulate =
+            |body: &ReducedBody, settings: &DynamicSettings, coefficients: Option<_>, actuation: &Actuation| {
+                self.simulated_path(body, settings, coefficients, actuation)
+            };
         let sigma = predicted.relative_sigma(&simulate, &first_part)?;
         Ok(amplitude::rms_interval(path, &self.repeats.time, sigma))
     }
 
-    /// The errors of reduction and twin against the full model, over the first part of the motion; none in water, which that model lacks.
+    /// The errors of reduction and twin against the full model, over the first part of the motion; none in water, which that
+    /// model lacks.
     fn reduction_and_twin_errors(&self) -> Result<(Option<f64>, Option<Metre>)> {
         if self.water.is_some() {
             return Ok((None, None));
@@ -288,8 +291,8 @@ fn reduction_error(
 }
 
 /// The commanded flapping frequency, Hz.
-fn flapping_frequency(of: &Trial) -> Option<f64> {
-    match of.trial.experiment {
+fn flapping_frequency(trial: &Trial) -> Option<f64> {
+    match trial.trial.experiment {
         Experiment::Flapping { frequency, .. } => Some(frequency),
         Experiment::Staircase { .. } => None,
     }

@@ -21,7 +21,7 @@ impl<'a> WallGauge<'a> {
     }
 
     /// Walls of the mesh with its nodes at `nodes` (m) under `pressures` (Pa, one a chamber); zero where it has no section at mid height.
-    pub fn walls_of_shape(&self, pressures: &[Pascal], nodes: &[Point3]) -> Walls {
+    pub(crate) fn walls_of_shape(&self, pressures: &[Pascal], nodes: &[Point3]) -> Walls {
         self.section.as_ref().map_or(Walls::default(), |s| s.walls(nodes, self.lies_left(fullest_chamber(pressures))))
     }
 

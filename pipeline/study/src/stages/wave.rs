@@ -9,7 +9,7 @@ use std::path::Path;
 use lab::Logged;
 use lab::card::{Experiment, LogKind};
 use serde::{Deserialize, Serialize};
-use si::{Hertz, Second, Series};
+use si::{Hertz, Newton, Second, Series};
 use signal::edge::{self, Window};
 use signal::wave::{self, Beat, Removal};
 use signal::zero::Zero;
@@ -85,16 +85,8 @@ impl Stage for Wave {
         let length = on_film.end() - on_film.start();
         let close_harmonics =
             beat.map_or(Vec::new(), |b| wave::close_harmonics(b.frequency, set.guarded_harmonics, &waves, length));
-        let onsets = [on_film.start()];
-        // a staircase is not periodic: its force would be taken for a wave
-        let (without_waves, fitted_waves) = match beat {
-            None => (on_film.clone(), vec![0.0; on_film.values().len()]),
-            Some(_) => {
-                let parted = wave::remove(&on_film, &waves, &Removal { onsets: &onsets, beat, drift_degree: 2 })
-                    .map_err(|e| in_force_log(context, e))?;
-                (parted.rest, parted.waves)
-            }
-        };
+        let (without_waves, fitted_waves) =
+            without_waves(&on_film, &waves, beat).map_err(|e| in_force_log(context, e))?;
         let time: Vec<Second> = (0..without_waves.values().len()).map(|i| without_waves.time(i)).collect();
         let zero = Zero { moves: commanded, settling: set.settling_time }.of(&without_waves).values;
         let warnings = close_harmonics.iter().map(ToString::to_string).collect();
@@ -110,6 +102,20 @@ impl Stage for Wave {
             warnings,
         })
     }
+}
+
+/// A force log without the tank's waves, and the waves, N.
+fn without_waves(
+    on_film: &Series,
+    waves: &[wave::Wave],
+    beat: Option<Beat>,
+) -> Result<(Series, Vec<Newton>), signal::EstimationError> {
+    // a staircase is not periodic: its force would be taken for a wave
+    if beat.is_none() {
+        return Ok((on_film.clone(), vec![0.0; on_film.values().len()]));
+    }
+    let removal = Removal { onsets: &[on_film.start()], beat, drift_degree: 2 };
+    wave::remove(on_film, waves, &removal).map(|parted| (parted.rest, parted.waves))
 }
 
 /// Holds that a force log lasts from the first command to the last: of a part of a trial the mean force is not that of the trial.

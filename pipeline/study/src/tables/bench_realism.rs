@@ -155,12 +155,15 @@ fn valve_lines(motions: &[(Trial, Motion)]) -> Vec<Line> {
     lines.extend(EMPTIED.map(|(mbar, real)| {
         line(&format!("exhaust from {mbar} mbar: time constant"), "ms", real, range_near(mbar, |p| 1e3 * p.empty))
     }));
-    lines.extend(HELD.map(|(hz, mbar)| {
-        let is_same = |t: &Trial, p: &Pulse| flaps_at(t, hz) && (p.asked / MILLIBAR - 300.0).abs() < 1.0;
-        let ours = finite_range(pulses_of_trials.iter().filter(|(t, p)| is_same(t, p)).map(|(_, p)| p.held / MILLIBAR));
-        line(&format!("square wave of 300 mbar at {hz} Hz: held"), "mbar", [mbar - 6.0, mbar + 6.0], ours)
-    }));
+    lines.extend(HELD.map(|held| square_wave_line(held, &pulses_of_trials)));
     lines
+}
+
+/// The pressure that a square wave of 300 mbar at some Hz is held at, beside that of a real valve, mbar.
+fn square_wave_line((hz, mbar): (f64, f64), pulses_of_trials: &[(&Trial, Pulse)]) -> Line {
+    let is_same = |t: &Trial, p: &Pulse| flaps_at(t, hz) && (p.asked / MILLIBAR - 300.0).abs() < 1.0;
+    let ours = finite_range(pulses_of_trials.iter().filter(|(t, p)| is_same(t, p)).map(|(_, p)| p.held / MILLIBAR));
+    Line(format!("square wave of 300 mbar at {hz} Hz: held"), "mbar", 0, [mbar - 6.0, mbar + 6.0], ours)
 }
 
 fn flaps_at(trial: &Trial, hz: f64) -> bool {

@@ -23,7 +23,7 @@ impl Table for Coverage {
         records::Calibration::is_made_for(study)
     }
 
-    fn fill(found: Self::Needs) -> Result<plot::Table> {
+    fn fill(calibration: Self::Needs) -> Result<plot::Table> {
         let stated = HALF_WIDTHS.map(|(share, _)| format!("in {:.0} %", 100.0 * share));
         let columns = vec![
             Column::text("quantity"),
@@ -35,11 +35,11 @@ impl Table for Coverage {
             Column::numbers("bounds", "%"),
             Column::numbers("mean error / σ", ""),
         ];
-        let kinds = found.kinds.iter().cloned().chain([found.all()]);
-        let table = plot::Table::new(columns, kinds.map(|kind| quantity_row(&kind, found.specimens)).collect())?;
+        let kinds = calibration.kinds.iter().cloned().chain([calibration.all()]);
+        let table = plot::Table::new(columns, kinds.map(|kind| quantity_row(&kind, calibration.specimens)).collect())?;
         let note = format!(
             "{} specimens. Bounds (95 %) count the estimates of one specimen as one; errors are those of logarithms.",
-            found.specimens
+            calibration.specimens
         );
         Ok(table.noted(&note))
     }

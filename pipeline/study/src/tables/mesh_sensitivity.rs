@@ -19,7 +19,7 @@ impl Table for MeshSensitivity {
     const CAPTION: &'static str = "identified moduli depend on the mesh";
     const VERSION: u32 = 3;
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(sensitivities): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("specimen"),
             Column::text("edge"),
@@ -29,7 +29,8 @@ impl Table for MeshSensitivity {
         let moduli = [("E of the body", "MPa"), ("E of the spine", "GPa")];
         let pairs = moduli.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
         let columns = columns.into_iter().chain(pairs).chain([Column::numbers("loss", "")]).collect();
-        let rows = all.iter().flat_map(|(s, honest)| honest.rows.iter().map(|r| mesh_row(&s.name(), r)));
+        let rows =
+            sensitivities.iter().flat_map(|(s, sensitivity)| sensitivity.rows.iter().map(|r| mesh_row(&s.name(), r)));
         let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted(
             "Identified on tetrahedra from the levels up to a fraction of the highest pressure, on hexahedra, graded towards thin walls with cells shorter than \

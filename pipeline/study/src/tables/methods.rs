@@ -24,7 +24,7 @@ impl Table for Methods {
     const CAPTION: &'static str = "cost and result of each identification method";
     const VERSION: u32 = 4;
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(comparisons): Self::Needs) -> Result<plot::Table> {
         let quantities = [("iterations", ""), ("time an iteration", "s"), ("total time", "min"), ("loss after 4", "")];
         let pairs = quantities.iter().flat_map(|(title, unit)| {
             let [ours, published] = Column::beside_published(title, unit);
@@ -32,15 +32,18 @@ impl Table for Methods {
             [if unit.is_empty() { ours } else { ours.of_durations() }, published]
         });
         let columns = [Column::text("specimen"), Column::text("method")].into_iter().chain(pairs).collect();
-        let rows = all.iter().flat_map(|(s, found)| found.searches.iter().map(|search| method_row(&s.name(), search)));
+        let rows = comparisons
+            .iter()
+            .flat_map(|(s, comparison)| comparison.searches.iter().map(|search| method_row(&s.name(), search)));
         let table = plot::Table::new(columns, rows.collect())?;
-        Ok(table.noted(&cost_note(all.iter().map(|(_, one)| one))))
+        Ok(table.noted(&cost_note(comparisons.iter().map(|(_, comparison)| comparison))))
     }
 }
 
 /// What an iteration is, and in what.
-fn cost_note<'a>(all: impl Iterator<Item = &'a MethodComparison>) -> String {
-    let whole_body_seconds: Vec<String> = all.map(|comparison| format!("{:.0} s", comparison.whole_seconds)).collect();
+fn cost_note<'a>(comparisons: impl Iterator<Item = &'a MethodComparison>) -> String {
+    let whole_body_seconds: Vec<String> =
+        comparisons.map(|comparison| format!("{:.0} s", comparison.whole_seconds)).collect();
     format!(
         "An iteration is one simulation of all pressure levels in a reduced model, certified by the whole body, which takes {} of one core. This \
          study: two cores, virtual bench.",

@@ -21,7 +21,7 @@ impl Table for Prototypes {
     const CAPTION: &'static str = "the tails: measured and published properties";
     const VERSION: u32 = 1;
 
-    fn fill((Every(found), Every(meshes)): Self::Needs) -> Result<plot::Table> {
+    fn fill((Every(identifications), Every(meshes)): Self::Needs) -> Result<plot::Table> {
         let quantities = [("E of the body", "MPa"), ("E of the spine", "GPa"), ("cells a side", "")];
         let pairs = quantities.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
         let columns = [Column::text("specimen"), published_words("material of the body")]
@@ -30,7 +30,7 @@ impl Table for Prototypes {
             .chain(Column::beside_published("highest pressure", "bar"))
             .collect();
         let mesh_of = |s: &Specimen| meshes.iter().find(|(owner, _)| owner.name() == s.name()).map(|(_, mesh)| mesh);
-        let rows = found.iter().map(|(s, identified)| specimen_row(s, identified, mesh_of(s)));
+        let rows = identifications.iter().map(|(s, identified)| specimen_row(s, identified, mesh_of(s)));
         let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted(
             "This study: identified from the films, ± one standard deviation. Published: nominal values of table I.",
@@ -42,10 +42,10 @@ fn published_words(title: &str) -> Column {
     Column { published: true, ..Column::text(title) }
 }
 
-fn specimen_row(specimen: &Specimen, found: &Identified, mesh: Option<&Mesh>) -> Vec<String> {
+fn specimen_row(specimen: &Specimen, identified: &Identified, mesh: Option<&Mesh>) -> Vec<String> {
     let [material, body, spine, chambers, pressure] = published_properties(&specimen.name());
     let modulus_text = |name: &str| {
-        let modulus = found.moduli().find(|m| m.solid == name);
+        let modulus = identified.moduli().find(|m| m.solid == name);
         modulus.map_or_else(String::new, |m| format!("{:.3} ± {:.3}", m.best, m.sigma))
     };
     let cells = mesh.map_or_else(String::new, |mesh| cells_a_side(mesh).to_string());

@@ -23,7 +23,7 @@ impl Table for ThrustModels {
         Every::<Thrust>::any(study)
     }
 
-    fn fill((Every(all), Maybe(transfer)): Self::Needs) -> Result<plot::Table> {
+    fn fill((Every(thrusts), Maybe(transfer)): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("specimen"),
             Column::text("held out by"),
@@ -37,7 +37,7 @@ impl Table for ThrustModels {
             Column { published: true, ..Column::text("published") },
         ];
         let transfer_scores = transfer.iter().flat_map(|t| &t.scores);
-        let rows = all.iter().flat_map(|(specimen, thrust)| {
+        let rows = thrusts.iter().flat_map(|(specimen, thrust)| {
             let name = specimen.name();
             let held_out_scores: Vec<&Scored> =
                 transfer_scores.clone().filter(|held| held.tail == name).map(|held| &held.scored).collect();

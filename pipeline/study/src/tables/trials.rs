@@ -25,14 +25,14 @@ impl Table for Trials {
         Every::<Thrust>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(thrusts): Self::Needs) -> Result<plot::Table> {
         let columns = [Column::text("specimen"), Column::text("mode")]
             .into_iter()
             .chain(Column::beside_published("trials", ""))
             .chain(words_beside_published("pressure", "mbar"))
             .chain(words_beside_published("frequency", "Hz"))
             .collect();
-        let rows = all.iter().flat_map(|(s, _)| [Split::Train, Split::Test].map(|split| split_row(s, split)));
+        let rows = thrusts.iter().flat_map(|(s, _)| [Split::Train, Split::Test].map(|split| split_row(s, split)));
         plot::Table::new(columns, rows.collect()).map_err(Diagnostic::from)
     }
 }

@@ -53,7 +53,7 @@ impl Shared {
 }
 
 /// The full covariance of a marker's positions, and its contributions: frames each.
-pub fn marker_covariances(
+pub(crate) fn marker_covariances(
     camera_model: &RefractiveCamera,
     path: &Path,
     height: Metre,

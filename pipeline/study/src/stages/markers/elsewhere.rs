@@ -55,7 +55,7 @@ impl Card {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the file cannot be used, does not overlap the film, or its markers are not at their card positions.
-pub fn markers_in_space(
+pub(crate) fn markers_in_space(
     card: Option<&Card>,
     film: Option<&[Second]>,
     mark: Metre,
@@ -78,7 +78,7 @@ pub fn markers_in_space(
     let spread = [0, 1, 2].map(|k| noise[k] + mark[k]);
     let track = |marker: &Painted| {
         let positions = space.complete(&marker.name, file)?;
-        let places = positions.iter().map(|place| (Some(in_cad(axes, *place)), spread));
+        let places = positions.iter().map(|position| (Some(in_cad(axes, *position)), spread));
         Ok(ImportedTrack::new(&marker.name, places))
     };
     let mut tracks = painted.iter().map(track).collect::<Result<Vec<_>>>()?;
@@ -95,20 +95,20 @@ pub fn markers_in_space(
 }
 
 /// x and y of the CAD frame, m, of a place in the file's axes (m).
-fn in_cad(axes: &Axes, place: Point3) -> Point2 {
-    let relative = vec3::sub(place, axes.origin);
+fn in_cad(axes: &Axes, position: Point3) -> Point2 {
+    let relative = vec3::sub(position, axes.origin);
     [vec3::dot(relative, axes.x), vec3::dot(relative, vec3::cross(axes.z, axes.x))]
 }
 
 /// Checks that the file and the film overlap in time.
-fn check_overlap(time: &[Second], film: &[Second], evaluated: &str) -> Result<()> {
+fn check_overlap(time: &[Second], film: &[Second], file_path: &str) -> Result<()> {
     let span = |t: &[Second]| (t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(0.0));
     let ((a, b), (from, to)) = (span(time), span(film));
     if a <= to && b >= from {
         return Ok(());
     }
     Err(Diagnostic::new(
-        format!("{evaluated} runs from {a:.3} to {b:.3} s of the film's clock, the film from {from:.3} to {to:.3} s"),
+        format!("{file_path} runs from {a:.3} to {b:.3} s of the film's clock, the film from {from:.3} to {to:.3} s"),
         "the lamp in the film ties both to the logs, so they must overlap",
         "correct start of [tracks.space] on the card: the film's time of the file's first frame, in s",
     ))

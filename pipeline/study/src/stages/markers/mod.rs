@@ -107,8 +107,8 @@ impl Stage for Markers {
         };
         let calibrated = RefractiveCamera { lens: camera.lens, pose: camera.pose, water: card.refracting_water() };
         let film_pose = film_pose(card, &calibrated, context)?;
-        let pose =
-            film_pose.as_ref().map_or(calibrated.pose, |s| Pose { rotation: s.rotation, translation: s.translation_m });
+        let pose_in_film = |s: &FilmPose| Pose { rotation: s.rotation, translation: s.translation_m };
+        let pose = film_pose.as_ref().map_or(calibrated.pose, pose_in_film);
         let camera_model = RefractiveCamera { pose, ..calibrated };
         let shutter = Shutter { readout: card.readout, height: camera.size_px[1] };
         let heights = card.heights.clone();
@@ -119,28 +119,31 @@ impl Stage for Markers {
         let shown = |((path, painted), at): ((&Path, &Point2), &Vec<Point2>)| (path.name.clone(), *painted, at[0]);
         let rest_positions: Vec<_> = tracks.markers.iter().zip(&card.painted).zip(&positions).map(shown).collect();
         lab::rest::check(&context.display_path("video"), &rest_positions, card.length, ShownBy::Film)?;
-        let sources = UncertaintySources {
-            shared: Shared::new(&camera.covariance, [set.surface_sigma, set.index_sigma, set.height_sigma]),
-            ripple: set.ripple,
-            mark: set.mark_sigma,
-        };
-        let covariances = tracks
-            .markers
-            .iter()
-            .zip(&heights)
-            .map(|(path, height)| carry::marker_covariances(&camera_model, path, *height, &sources));
+        let sources = set.uncertainty_sources(&camera);
+        let covariance =
+            |(path, height): (&Path, &Metre)| carry::marker_covariances(&camera_model, path, *height, &sources);
+        let covariances = tracks.markers.iter().zip(&heights).map(covariance);
         let (spreads, parts): (Vec<_>, Vec<CovarianceParts>) =
             covariances.collect::<Result<Vec<_>>>()?.into_iter().unzip();
-        let mut left_out = Vec::new();
-        for (correction, camera_model, shutter, heights) in
-            without_corrections(&camera_model, &shutter, &heights, card.plane)
-        {
+        let uncorrected = without_corrections(&camera_model, &shutter, &heights, card.plane);
+        let effect = |(correction, camera_model, shutter, heights): UncorrectedModel| {
             let uncorrected = marker_positions(&camera_model, &shutter, &tracks, &heights)?;
-            left_out.push(effect_of_correction(correction, &positions, &uncorrected));
-        }
+            Ok(effect_of_correction(correction, &positions, &uncorrected))
+        };
+        let left_out = uncorrected.into_iter().map(effect).collect::<Result<_>>()?;
         let named = tracks.markers.iter().zip(positions).zip(spreads);
         let markers = named.map(|((path, at), spread)| Path { name: path.name.clone(), at, spread }).collect();
         Ok(records::Markers { time: tracks.time, markers, parts, left_out, stand: film_pose })
+    }
+}
+
+impl Settings {
+    fn uncertainty_sources(&self, camera: &Camera) -> UncertaintySources {
+        UncertaintySources {
+            shared: Shared::new(&camera.covariance, [self.surface_sigma, self.index_sigma, self.height_sigma]),
+            ripple: self.ripple,
+            mark: self.mark_sigma,
+        }
     }
 }
 
@@ -188,13 +191,16 @@ fn marker_positions(
     tracks.markers.iter().zip(heights).map(marker_path).collect()
 }
 
+/// The name of a correction, and the camera model, shutter and heights without it.
+type UncorrectedModel = (&'static str, RefractiveCamera, Shutter, Vec<Metre>);
+
 /// The camera model without each of the corrections of the trial.
 fn without_corrections(
     camera_model: &RefractiveCamera,
     shutter: &Shutter,
     heights: &[Metre],
     plane: Metre,
-) -> Vec<(&'static str, RefractiveCamera, Shutter, Vec<Metre>)> {
+) -> Vec<UncorrectedModel> {
     let lens = Lens {
         fx: camera_model.lens.fx,
         fy: camera_model.lens.fy,
@@ -217,18 +223,18 @@ fn without_corrections(
 
 /// Difference of positions and displacements without a correction from those with it.
 fn effect_of_correction(correction: &str, corrected: &[Vec<Point2>], uncorrected: &[Vec<Point2>]) -> OmittedCorrection {
-    let (mut place, mut motion, mut count) = (0.0, 0.0, 0.0_f64);
+    let (mut position, mut motion, mut count) = (0.0, 0.0, 0.0_f64);
     for (corrected, uncorrected) in corrected.iter().zip(uncorrected) {
         let differences: Vec<Point2> =
             corrected.iter().zip(uncorrected).map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).collect();
         for d in &differences {
-            place += d[0] * d[0] + d[1] * d[1];
+            position += d[0] * d[0] + d[1] * d[1];
             motion += (d[0] - differences[0][0]).powi(2) + (d[1] - differences[0][1]).powi(2);
             count += 1.0;
         }
     }
     let root = |sum: f64| (sum / count.max(1.0)).sqrt();
-    OmittedCorrection { correction: correction.into(), place_m: root(place), motion_m: root(motion) }
+    OmittedCorrection { correction: correction.into(), place_m: root(position), motion_m: root(motion) }
 }
 
 fn no_ray(marker: &str, frame: usize, pixel: Point2) -> Diagnostic {

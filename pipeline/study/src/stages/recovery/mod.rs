@@ -110,7 +110,8 @@ impl Stage for Recovery {
                 judge_films(&mut recovered, &specimen.trial_subject(id), (true_trial, &true_tracks), &films);
                 let predicted = predictions.iter().filter(|(trial, _)| *trial == specimen.trial_subject(id));
                 estimates.extend(
-                    predicted.filter_map(|(_, found)| amplitude_estimate(condition_of(id), found, &true_tracks)),
+                    predicted
+                        .filter_map(|(_, validation)| amplitude_estimate(condition_of(id), validation, &true_tracks)),
                 );
             }
             if !estimates.is_empty() {
@@ -157,24 +158,24 @@ fn estimates_beside_truth(
 }
 
 /// The predicted amplitude of the tip in a validation trial beside the true one, whose tracks are given.
-fn amplitude_estimate(condition: String, found: &Validation, tracks: &[TrueTrack]) -> Option<Estimate> {
-    let track = tracks.iter().find(|track| track.marker == found.marker)?;
+fn amplitude_estimate(condition: String, validation: &Validation, tracks: &[TrueTrack]) -> Option<Estimate> {
+    let track = tracks.iter().find(|track| track.marker == validation.marker)?;
     let lateral = |t: &Second| track.at[frame_at(&track.time, *t)][1] - track.at[0][1];
-    let squares: f64 = found.time.iter().map(|t| lateral(t).powi(2)).sum();
-    let hidden = (squares / found.time.len().max(1) as f64).sqrt();
-    let Interval { value, sigma } = found.amplitude;
+    let squares: f64 = validation.time.iter().map(|t| lateral(t).powi(2)).sum();
+    let hidden = (squares / validation.time.len().max(1) as f64).sqrt();
+    let Interval { value, sigma } = validation.amplitude;
     Some(Estimate { quantity: Quantity::TipAmplitude(condition), found: value, hidden, sigma })
 }
 
 /// The true relaxation.
-fn true_relaxation(of: &truth::Properties) -> Result<fem::Relaxation> {
+fn true_relaxation(properties: &truth::Properties) -> Result<fem::Relaxation> {
     let branches: Vec<fem::Branch> =
-        of.branch.iter().map(|b| fem::Branch { strength: b.strength, time: b.time }).collect();
+        properties.branch.iter().map(|b| fem::Branch { strength: b.strength, time: b.time }).collect();
     fem::Relaxation::maxwell(&branches).map_err(Diagnostic::from)
 }
 
-fn virtual_specimens(of: &Study) -> impl Iterator<Item = &Specimen> {
-    of.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench)
+fn virtual_specimens(study: &Study) -> impl Iterator<Item = &Specimen> {
+    study.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench)
 }
 
 /// The truth's file, and one file of true tracks a trial.

@@ -140,7 +140,8 @@ impl<'a> Apparatus<'a> {
         let paths: Vec<[Series; 2]> =
             self.order.iter().map(|&m| smoothed_path(motion, m, cutoff)).collect::<Result<_>>()?;
         let rates: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();
-        let [moved, speed] = [&paths, &rates].map(|of| time.iter().map(|&t| positions_at(of, t)).collect::<Vec<_>>());
+        let [moved, speed] =
+            [&paths, &rates].map(|paths| time.iter().map(|&t| positions_at(paths, t)).collect::<Vec<_>>());
         let pressed: Vec<Series> = gauges.iter().map(|g| smoothed_series(g, cutoff)).collect::<Result<_>>()?;
         let pressed_rate: Vec<Series> = pressed.iter().map(rate_of).collect();
         let values_at = |series: &[Series], t: Second| series.iter().map(|s| s.at(t)).collect::<Vec<f64>>();

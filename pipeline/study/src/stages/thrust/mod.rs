@@ -135,7 +135,7 @@ fn fit_models(runs: &[Run], set: &Settings, context: &dyn StageContext) -> Resul
         for kind in MODELS {
             let learns = matches!(kind, ThrustModel::Network | ThrustModel::Hybrid);
             let tried = if learns && number == 0 { seeds.len() } else { 1 };
-            for (place, seed) in seeds.iter().take(tried).enumerate() {
+            for (seed_number, seed) in seeds.iter().take(tried).enumerate() {
                 let text = format!("{} on {}", kind.name(), split_rule.name());
                 let progress = |part: f64| context.progress((number as f64 + part) / splits::ALL.len() as f64, &text);
                 let model = kind.fit(&train, &set.training_settings(*seed), &progress);
@@ -143,11 +143,11 @@ fn fit_models(runs: &[Run], set: &Settings, context: &dyn StageContext) -> Resul
                 scores.push(Scored {
                     split_rule: split_rule.name().into(),
                     model: kind.name().into(),
-                    seed: place as u64,
+                    seed: seed_number as u64,
                     score: score(&test, &predicted),
                     runs: [train.len(), test.len()],
                 });
-                if number == 0 && place == 0 {
+                if number == 0 && seed_number == 0 {
                     models.push((kind, model));
                 }
             }

@@ -152,8 +152,8 @@ fn first_tracker(card: &Card, set: klt::Settings, frame: &Frame, context: &dyn S
 }
 
 /// Imported tracks in the film's own pixels.
-fn in_pixels(of: &Trial) -> Option<&lab::card::Tracks> {
-    of.made_elsewhere().filter(|tracks| tracks.space.is_none())
+fn in_pixels(trial: &Trial) -> Option<&lab::card::Tracks> {
+    trial.made_elsewhere().filter(|tracks| tracks.space.is_none())
 }
 
 /// The imported tracks of a film of so many frames and this rate, as the card names them.

@@ -12,7 +12,7 @@ use diagnostics::{Diagnostic, Result};
 ///
 /// # Errors
 /// A [`Diagnostic`] with the region as a picture, when the number of markers found in it differs from the card's.
-pub fn initial_positions(card: &Card, first: &Gray, set: &klt::Settings, film: &str) -> Result<Vec<Point2>> {
+pub(crate) fn initial_positions(card: &Card, first: &Gray, set: &klt::Settings, film: &str) -> Result<Vec<Point2>> {
     if card.elsewhere.is_some() {
         return Ok(Vec::new());
     }
