@@ -82,6 +82,7 @@ impl Stage for Validate {
             .with_markers_at(&mesh.solid, &card.body, &rest_positions)
             .with_spots(spots.unwrap_or_default());
         let silicone = relaxation.silicone(&model, &identified)?;
+        let repeats = repeats::align_repeats(&films, marker)?;
         let reduced_body = ReducedBody::of(&model, &silicone, &reduced.data)?;
         let elastic = reduced_body.with(&model, &identified.elastic(&model).into());
         let prediction = Prediction {
@@ -91,7 +92,7 @@ impl Stage for Validate {
             reduced_body: &reduced_body,
             water: drag.as_ref().zip(tail.as_ref()),
             films: &films,
-            repeats: repeats::align_repeats(&films, marker)?,
+            repeats,
         };
         let paths = prediction.paths_of_models(&elastic)?;
         context.progress(0.4, "with what identification left open");
