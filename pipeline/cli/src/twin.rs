@@ -55,7 +55,7 @@ pub fn export(runner: &Runner, name: &str, folder: Option<&Path>) -> Result<Expo
         let reason = format!("there are {}", names.join(", "));
         Diagnostic::new(format!("there is no specimen `{name}`"), reason, "name one of these")
     })?;
-    let data = study::live::twin(runner, specimen, None)?;
+    let data = study::live::specimen_twin(runner, specimen, None)?;
     let folder = folder.map_or_else(|| runner.folders.base().join("twin").join(name), Path::to_owned);
     let data_files = [ExportedFile::new(ARRAYS, twin::file::bytes(&data)?), ExportedFile::new(PAGE, data.page()?)];
     let sources = twin::package::files().into_iter().map(|(path, text)| match path.starts_with(EXAMPLES) {

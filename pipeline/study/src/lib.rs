@@ -65,11 +65,11 @@ pub fn open(root: &Path, profile: Profile, options: Options) -> Result<(Runner, 
 pub fn open_without_specimens(root: &Path, profile: Profile, options: Options) -> Result<(Runner, Vec<Diagnostic>)> {
     let folders = Folders::new(root, profile);
     let text = input::read_text(&folders.settings(), input::PAGE).map_err(|e| {
-        let what = format!("{} cannot be read", folders.settings().display());
-        Diagnostic::new(what, &e, "run in the project's folder, or name it with --root").caused_by(e)
+        let failure = format!("{} cannot be read", folders.settings().display());
+        Diagnostic::new(failure, &e, "run in the project's folder, or name it with --root").caused_by(e)
     })?;
     let settings = settings(&text, profile)?;
-    let (specimens, unreadable) = specimens(&folders)?;
+    let (specimens, unreadable) = read_specimens(&folders)?;
     Ok((Runner { lists: LISTS, universe: Study { specimens }, settings, profile, folders, options }, unreadable))
 }
 
@@ -89,8 +89,9 @@ pub fn settings(text: &str, profile: Profile) -> Result<Settings> {
 /// The [`Diagnostic`] of its card.
 pub fn readable(diagnostics: &[Diagnostic], specimen: Option<&str>) -> Result<()> {
     let folder = |d: &Diagnostic| Some(d.location.as_ref()?.file.parent()?.file_name()?.to_owned());
-    let own = diagnostics.iter().find(|d| specimen.is_some_and(|name| folder(d).is_some_and(|folder| folder == name)));
-    own.map_or(Ok(()), |diagnostic| Err(diagnostic.clone()))
+    let card_diagnostic =
+        diagnostics.iter().find(|d| specimen.is_some_and(|name| folder(d).is_some_and(|folder| folder == name)));
+    card_diagnostic.map_or(Ok(()), |diagnostic| Err(diagnostic.clone()))
 }
 
 /// Makes every stale record that the goal needs, then the numbers, the archive's description and the page.
@@ -143,7 +144,7 @@ pub fn outdated(runner: &Runner) -> Result<Vec<String>> {
 /// # Errors
 /// A [`Diagnostic`] when it cannot be written or a record is damaged.
 pub fn page(runner: &Runner) -> Result<PathBuf> {
-    page_file::write(runner, page::contents(runner)?)
+    page_file::write(runner, page::page_contents(runner)?)
 }
 
 /// The stages as a drawing (SVG) of what reads what, with how many records of each a run would keep and make.
@@ -185,7 +186,7 @@ pub fn description() -> String {
     LISTS.iter().flat_map(|list| list.iter()).map(line).collect()
 }
 
-fn specimens(folders: &Folders) -> Result<(Vec<Specimen>, Vec<Diagnostic>)> {
+fn read_specimens(folders: &Folders) -> Result<(Vec<Specimen>, Vec<Diagnostic>)> {
     let (raw, mut specimens, mut unreadable) = (folders.raw(), Vec::new(), Vec::new());
     let cards = if raw.exists() { lab::folder::list(&raw)? } else { Vec::new() };
     for folder in &cards {

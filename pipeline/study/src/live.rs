@@ -28,7 +28,7 @@ const DRY: (f64, usize) = (998.0, 30);
 ///
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when a record is missing or stale, or a law is none that a twin has.
-pub fn twin(runner: &Runner, specimen: &Specimen, rest: Option<&[Point2]>) -> Result<TwinData> {
+pub fn specimen_twin(runner: &Runner, specimen: &Specimen, rest: Option<&[Point2]>) -> Result<TwinData> {
     // masses are of the card, moduli of the records: both must be of the same card
     let records = <Inputs as Needs<Specimen>>::ids(specimen);
     runner.require(&records.iter().map(ToString::to_string).collect::<Vec<_>>())?;
@@ -46,8 +46,8 @@ pub fn twin(runner: &Runner, specimen: &Specimen, rest: Option<&[Point2]>) -> Re
     let reduced_body = ReducedBody::of(&model, &relaxation.silicone(&model, &identified)?, &reduced.data)?;
     let stations: Vec<usize> = (body.markers.len()..reduced_body.markers()).collect();
     let (rows, half) = (reduced_body.rows(&stations), model.system.mesh().symmetry_plane_z);
-    let around = |by: Coefficients| Surroundings { tail: &tail, rows: &rows, by, half };
-    let water = drag.map(|drag| around(drag.by));
+    let surroundings = |by: Coefficients| Surroundings { tail: &tail, rows: &rows, by, half };
+    let water = drag.map(|drag| surroundings(drag.by));
     let names: Vec<String> = (0..stations.len()).map(|i| format!("station{i}")).collect();
     let markers = specimen.card.marker.iter().map(|marker| marker.name.as_str());
     let outputs: Vec<(&str, usize)> = markers.chain(names.iter().map(String::as_str)).zip(0..).collect();
@@ -57,7 +57,7 @@ pub fn twin(runner: &Runner, specimen: &Specimen, rest: Option<&[Point2]>) -> Re
     let solids: Vec<&str> = arrays.regions.iter().map(|region| identified.solids[region.region].as_str()).collect();
     name_parts(&mut data, (&solids, &points));
     limit_pressures(&mut data, specimen, reduced.highest);
-    Ok(TwinData { half, provenance: provenance(runner, specimen, &records), ..data })
+    Ok(TwinData { half, provenance: twin_provenance(runner, specimen, &records), ..data })
 }
 
 /// Gives regions their solids' names, and outputs the places of their `points` at rest, x and y of each in turn.
@@ -83,7 +83,7 @@ fn limit_pressures(data: &mut TwinData, specimen: &Specimen, highest: Pascal) {
 }
 
 /// Where a twin comes from: specimen, profile, version, and the content of each record that it is made from.
-fn provenance(runner: &Runner, specimen: &Specimen, records: &[RecordId]) -> Vec<(String, String)> {
+fn twin_provenance(runner: &Runner, specimen: &Specimen, records: &[RecordId]) -> Vec<(String, String)> {
     let store = Store::new(&runner.folders);
     let content = |id: &RecordId| {
         let hash = store.find(id).manifest().map(|manifest| manifest.content.clone()).unwrap_or_default();
@@ -96,7 +96,7 @@ fn provenance(runner: &Runner, specimen: &Specimen, records: &[RecordId]) -> Vec
 }
 
 /// The tails that can move on the page, each beside a validation trial in its medium.
-pub(crate) fn tails(runner: &Runner) -> Result<Vec<LiveTail>> {
+pub(crate) fn live_tails(runner: &Runner) -> Result<Vec<LiveTail>> {
     let store = Store::new(&runner.folders);
     let tail = |specimen: &Specimen| -> Option<Result<LiveTail>> {
         let wet = Drag::is_made_for(specimen);
@@ -104,13 +104,13 @@ pub(crate) fn tails(runner: &Runner) -> Result<Vec<LiveTail>> {
         let trial = specimen.trials().into_iter().find(fits)?;
         let validation = read_one::<Validation>(&trial, &store).ok()?;
         let motion = read_one::<Motion>(&trial, &store).ok()?;
-        let data = twin(runner, specimen, Some(&motion.rest)).ok()?;
-        Some(live(specimen, &data, validation))
+        let data = specimen_twin(runner, specimen, Some(&motion.rest)).ok()?;
+        Some(live_tail(specimen, &data, validation))
     };
     runner.universe.specimens.iter().filter_map(tail).collect()
 }
 
-fn live(specimen: &Specimen, data: &TwinData, validation: Validation) -> Result<LiveTail> {
+fn live_tail(specimen: &Specimen, data: &TwinData, validation: Validation) -> Result<LiveTail> {
     let Validation { time, measured, pressures, marker, .. } = validation;
     let highest = pressures.iter().flatten().fold(0.0, |most: f64, p| most.max(*p));
     let trial = LiveTrial { time, measured, pressures };

@@ -11,7 +11,7 @@ use track::video::Film;
 use super::Project;
 use super::finding::Finding;
 use records::subject::Specimen;
-use study::stages::camera::{Camera, target};
+use study::stages::camera::{Camera, board_target};
 use workflow::runner::inspection_context;
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -95,7 +95,7 @@ fn approximate_pose(camera: &card::Camera, size: [usize; 2], view: &View) -> Opt
         ..Lens::default()
     };
     let card::Plane { origin, along: [c, s], height, .. } = camera.plane;
-    let board = view.points(&target(&camera.board).points());
+    let board = view.points(&board_target(&camera.board).points());
     let corners = &view.corners;
     let to_cad = |p: &[f64; 3]| [origin[0] + p[0] * c - p[1] * s, origin[1] + p[0] * s + p[1] * c, height];
     let points: Vec<_> = board.iter().map(to_cad).collect();
@@ -124,7 +124,7 @@ fn views_on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<(
         let action = "correct seconds under [camera.plane] on the card";
         return Err(Finding::fix(format!("{film_path} lasts {duration:.2} s"), reason, action));
     }
-    let finder = target(&camera.board);
+    let finder = board_target(&camera.board);
     let mut last_message = format!("none of its frames of which one in {every} is used is in this interval");
     let mut views = Vec::new();
     for frame in film {
@@ -162,7 +162,7 @@ fn plane_findings(camera: &card::Camera, context: &dyn StageContext, views: &[Ti
             "correct seconds under [camera.plane] on the card: the time in which the board lies on the plane",
         )];
     }
-    let points = first.points(&target(&camera.board).points());
+    let points = first.points(&board_target(&camera.board).points());
     let board: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
     let angle = tilt_angle(&board, &first.corners).to_degrees();
     if angle <= TILTED {

@@ -11,7 +11,7 @@ use super::{Project, rest};
 use lab::card::Experiment;
 use records::Tracks;
 use records::subject::Trial;
-use study::stages::track::{Settings, Track, first_look, imported};
+use study::stages::track::{Settings, Track, first_look, imported_paths};
 use workflow::runner::inspection_context;
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -86,7 +86,7 @@ fn decode_film(film: Film, check: &FirstFrame) -> (Option<DecodedFilm>, Vec<Find
         findings.push(Finding::fix(defect, reason, "correct first_frame and last_frame of this trial on the card"));
         return (None, findings);
     }
-    let imported = imported(&Part::part_of(subject), settings.tracker(info.rate), tracks.time.len(), context);
+    let imported = imported_paths(&Part::part_of(subject), settings.tracker(info.rate), tracks.time.len(), context);
     match imported {
         Err(diagnostic) => findings.push(diagnostic.into()),
         Ok(paths) => {

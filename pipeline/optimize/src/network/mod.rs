@@ -49,7 +49,7 @@ pub struct Scale {
 
 impl Scale {
     /// The scale of samples.
-    pub fn of_samples(samples: &Samples) -> Self {
+    pub(crate) fn of_samples(samples: &Samples) -> Self {
         let column = |k: usize| samples.inputs.iter().skip(k).step_by(samples.width).map(|&v| f64::from(v));
         let inputs: Vec<(f32, f32)> =
             (0..samples.width).map(|k| mean_and_deviation(&column(k).collect::<Vec<_>>())).collect();

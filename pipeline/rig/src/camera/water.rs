@@ -52,7 +52,7 @@ impl Water {
     }
 
     /// The same surface with the ripples of one recording, drawn from the settings' ranges.
-    pub fn rippled(&self, set: &settings::Water, random: &mut RandomStream) -> Self {
+    pub(crate) fn rippled(&self, set: &settings::Water, random: &mut RandomStream) -> Self {
         let slope = random.uniform(set.ripple) * (2.0 / WAVES as f64).sqrt();
         let wave = |_| {
             let direction = random.uniform([0.0, std::f64::consts::TAU]);

@@ -30,17 +30,20 @@ impl figure::Figure for Calibration {
         records::Calibration::is_made_for(study)
     }
 
-    fn draw(found: Self::Needs) -> Result<Figure> {
-        let note = format!("{} specimens of the virtual bench; nothing was measured.", found.specimens);
-        let row = [shares(&found).titled("coverage"), ranks(&found.all()).titled("ranks of the true values")];
+    fn draw(calibration: Self::Needs) -> Result<Figure> {
+        let note = format!("{} specimens of the virtual bench; nothing was measured.", calibration.specimens);
+        let row = [
+            coverage_panel(&calibration).titled("coverage"),
+            rank_panel(&calibration.all()).titled("ranks of the true values"),
+        ];
         Ok(Figure::new(DOUBLE_COLUMN_MM).row(62.0, row).noted(&note))
     }
 }
 
 /// Observed over stated probability.
-fn shares(found: &records::Calibration) -> Panel {
+fn coverage_panel(calibration: &records::Calibration) -> Panel {
     let stated: Vec<f64> = (0..POINTS).map(|i| i as f64 / (POINTS - 1) as f64).collect();
-    let bounds: Vec<[f64; 2]> = stated.iter().map(|p| share_bounds(*p, found.specimens)).collect();
+    let bounds: Vec<[f64; 2]> = stated.iter().map(|p| share_bounds(*p, calibration.specimens)).collect();
     let mut axes = Axes::new(Axis::linear("stated probability", ""), Axis::linear("share inside", ""))
         .with(Mark::band(
             stated.clone(),
@@ -49,16 +52,16 @@ fn shares(found: &records::Calibration) -> Panel {
             palette::MUTED,
         ))
         .with(Mark::line(vec![[0.0, 0.0], [1.0, 1.0]], palette::MUTED).dashed(Dash::Dashed));
-    for (i, kind) in found.kinds.iter().enumerate() {
+    for (i, kind) in calibration.kinds.iter().enumerate() {
         axes = axes.with(Mark::line(share_by_probability(&kind.errors), palette::series(i)).labelled(&kind.title));
     }
     Panel::Axes(axes)
 }
 
 /// Histogram of the ranks.
-fn ranks(all: &Coverage) -> Panel {
-    let counts = rank_histogram(&all.errors, BINS);
-    let even = all.errors.len() as f64 / BINS as f64;
+fn rank_panel(coverage: &Coverage) -> Panel {
+    let counts = rank_histogram(&coverage.errors, BINS);
+    let even = coverage.errors.len() as f64 / BINS as f64;
     let width = 1.0 / BINS as f64;
     let bar = |(i, count): (usize, &usize)| {
         let (left, right, top) = (i as f64 * width, (i + 1) as f64 * width, *count as f64);
@@ -78,7 +81,7 @@ mod tests {
         // errors of one deviation below, at and above the truth: ranks in different bars
         let errors: Vec<f64> = (0..40).map(|i| f64::from(i) / 10.0 - 2.0).collect();
         let all = Coverage { name: "all".into(), title: "all".into(), errors: errors.clone(), sigma: 1.0 };
-        let Panel::Axes(axes) = ranks(&all) else { panic!("no axes") };
+        let Panel::Axes(axes) = rank_panel(&all) else { panic!("no axes") };
         let text = format!("{axes:?}");
         let counts = rank_histogram(&errors, BINS);
         assert_eq!(counts.iter().sum::<usize>(), 40);

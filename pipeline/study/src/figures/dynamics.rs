@@ -6,7 +6,7 @@
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Panel, Placed, palette};
 use si::{MILLIBAR, MILLIMETRE, Point2, Second};
 
-use super::order::{in_order, title};
+use super::order::{capitalised, in_order};
 use super::origin_note;
 use diagnostics::{Diagnostic, Result};
 use lab::card::Experiment;
@@ -28,11 +28,11 @@ impl figure::Figure for Dynamics {
     const VERSION: u32 = 5;
 
     fn is_made_for(study: &Study) -> bool {
-        validated(study, false)
+        has_prediction(study, false)
     }
 
     fn draw(Every(trials): Self::Needs) -> Result<Figure> {
-        drawn(trials.into_iter().filter(|(trial, _)| !trial.is_in_water()).collect())
+        validation_figure(trials.into_iter().filter(|(trial, _)| !trial.is_in_water()).collect())
     }
 }
 
@@ -47,16 +47,16 @@ impl figure::Figure for DynamicsWater {
     const VERSION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
-        validated(study, true)
+        has_prediction(study, true)
     }
 
     fn draw(Every(trials): Self::Needs) -> Result<Figure> {
-        drawn(trials.into_iter().filter(|(trial, _)| trial.is_in_water()).collect())
+        validation_figure(trials.into_iter().filter(|(trial, _)| trial.is_in_water()).collect())
     }
 }
 
 /// Whether any trial in water (or in air) has a prediction.
-fn validated(study: &Study, wet: bool) -> bool {
+fn has_prediction(study: &Study, wet: bool) -> bool {
     Trial::all(study).iter().any(|trial| trial.is_in_water() == wet && Validation::is_made_for(trial))
 }
 
@@ -64,19 +64,20 @@ fn validated(study: &Study, wet: bool) -> bool {
 const CYCLES: f64 = 3.0;
 
 /// Two conditions a row, each over its residual and its pressures.
-fn drawn(trials: Vec<(Trial, Validation)>) -> Result<Figure> {
+fn validation_figure(trials: Vec<(Trial, Validation)>) -> Result<Figure> {
     if trials.is_empty() {
         return Err(Diagnostic::new("there is no validation to show", "no trial has that role", "add one to a card"));
     }
     let trials = in_order(trials);
     let mut figure = Figure::new(DOUBLE_COLUMN_MM);
     for pair in trials.chunks(2) {
-        let shown: Vec<Shown> = pair.iter().map(|(trial, validation)| Shown::of(trial, validation)).collect();
+        let shown: Vec<Shown> =
+            pair.iter().map(|(trial, validation)| Shown::of_validation(trial, validation)).collect();
         let motions: Vec<Placed> =
-            shown.iter().map(|shown| Panel::Axes(shown.motion()).titled(&shown.condition())).collect();
+            shown.iter().map(|shown| Panel::Axes(shown.motion_axes()).titled(&shown.condition_title())).collect();
         let below = |axes: Axes| Placed::from(Panel::Axes(axes)).without_panel_label();
-        let residuals: Vec<Placed> = shown.iter().map(|shown| below(shown.residual())).collect();
-        let pressures: Vec<Placed> = shown.iter().map(|shown| below(shown.pressures())).collect();
+        let residuals: Vec<Placed> = shown.iter().map(|shown| below(shown.residual_axes())).collect();
+        let pressures: Vec<Placed> = shown.iter().map(|shown| below(shown.pressure_axes())).collect();
         figure = figure.row(42.0, motions).row(20.0, residuals).row(26.0, pressures);
     }
     Ok(figure.noted(&origin_note(trials.iter().map(|(t, _)| t.card.as_ref()))))
@@ -92,25 +93,25 @@ struct Shown<'a> {
 }
 
 impl<'a> Shown<'a> {
-    fn of(trial: &'a Trial, validation: &'a Validation) -> Self {
+    fn of_validation(trial: &'a Trial, validation: &'a Validation) -> Self {
         let time = &validation.time;
         let (first, last) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
-        let whole = Self { trial, validation, begin: first, end: last };
-        let Experiment::Flapping { frequency, .. } = trial.trial.experiment else { return whole };
+        let whole_motion = Self { trial, validation, begin: first, end: last };
+        let Experiment::Flapping { frequency, .. } = trial.trial.experiment else { return whole_motion };
         let highest = validation.pressures.iter().flatten().copied().fold(0.0, f64::max);
         let fills = |frame: &usize| validation.pressures.iter().any(|chamber| chamber[*frame] > 0.1 * highest);
-        let Some(filled) = (0..time.len()).find(fills) else { return whole };
+        let Some(filled) = (0..time.len()).find(fills) else { return whole_motion };
         let cycle = 1.0 / frequency;
         let begin = (time[filled] - 0.2 * cycle).max(first);
-        Self { begin, end: (time[filled] + CYCLES * cycle).min(last), ..whole }
+        Self { begin, end: (time[filled] + CYCLES * cycle).min(last), ..whole_motion }
     }
 
     /// The condition, its repeats and the error over all cycles.
-    fn condition(&self) -> String {
+    fn condition_title(&self) -> String {
         let Self { trial, validation, .. } = self;
         format!(
             "{} {} (N = {}): RMSE {:.2} mm, {:.2} %",
-            title(&trial.card.name),
+            capitalised(&trial.card.name),
             trial.condition().replace("mbar_", " mbar ").replace("hz", " Hz").replace('_', " "),
             validation.repeats,
             validation.rmse / MILLIMETRE,
@@ -119,11 +120,11 @@ impl<'a> Shown<'a> {
     }
 
     /// One value a frame over time, of the frames that are shown.
-    fn curve(&self, value: impl Fn(usize) -> f64) -> Vec<Point2> {
-        self.frames().map(|frame| [self.validation.time[frame], value(frame)]).collect()
+    fn curve_over_time(&self, value: impl Fn(usize) -> f64) -> Vec<Point2> {
+        self.shown_frames().map(|frame| [self.validation.time[frame], value(frame)]).collect()
     }
 
-    fn frames(&self) -> impl Iterator<Item = usize> {
+    fn shown_frames(&self) -> impl Iterator<Item = usize> {
         let time = &self.validation.time;
         (0..time.len()).filter(|frame| (self.begin..=self.end).contains(&time[*frame]))
     }
@@ -133,43 +134,51 @@ impl<'a> Shown<'a> {
     }
 
     /// Within one standard deviation of the repeats about a value a frame, mm.
-    fn band(&self, middle: impl Fn(usize) -> f64) -> Mark {
+    fn deviation_band(&self, middle: impl Fn(usize) -> f64) -> Mark {
         let deviation = |frame: usize| self.validation.deviation[frame][1] / MILLIMETRE;
-        let edge = |sign: f64| self.frames().map(|frame| middle(frame) + sign * deviation(frame)).collect();
-        let time = self.frames().map(|frame| self.validation.time[frame]).collect();
+        let edge = |sign: f64| self.shown_frames().map(|frame| middle(frame) + sign * deviation(frame)).collect();
+        let time = self.shown_frames().map(|frame| self.validation.time[frame]).collect();
         Mark::band(time, edge(-1.0), edge(1.0), palette::MEASURED)
     }
 
-    fn motion(&self) -> Axes {
+    fn motion_axes(&self) -> Axes {
         let lateral = |path: &'a [Point2]| move |frame: usize| path[frame][1] / MILLIMETRE;
         let Validation { measured, simulated, by_paper_model, marker, .. } = self.validation;
         let (measured, simulated) = (lateral(measured), lateral(simulated));
         Axes::new(self.time_axis().without_tick_labels(), Axis::linear(&format!("lateral, {marker}"), "mm"))
-            .with(self.band(measured).labelled("deviation"))
-            .with(Mark::line(self.curve(measured), palette::MEASURED).sized(1.4).labelled("measured"))
-            .with(Mark::line(self.curve(lateral(by_paper_model)), palette::SPINE).sized(0.7).labelled("paper's model"))
-            .with(Mark::line(self.curve(simulated), palette::SIMULATED).dashed(Dash::Dashed).labelled("simulated"))
+            .with(self.deviation_band(measured).labelled("deviation"))
+            .with(Mark::line(self.curve_over_time(measured), palette::MEASURED).sized(1.4).labelled("measured"))
+            .with(
+                Mark::line(self.curve_over_time(lateral(by_paper_model)), palette::SPINE)
+                    .sized(0.7)
+                    .labelled("paper's model"),
+            )
+            .with(
+                Mark::line(self.curve_over_time(simulated), palette::SIMULATED)
+                    .dashed(Dash::Dashed)
+                    .labelled("simulated"),
+            )
             .legend(Legend::Over)
     }
 
     /// Simulated less measured, beside the deviation of the repeats.
-    fn residual(&self) -> Axes {
+    fn residual_axes(&self) -> Axes {
         let Validation { measured, simulated, .. } = self.validation;
-        let off = |frame: usize| (simulated[frame][1] - measured[frame][1]) / MILLIMETRE;
+        let difference = |frame: usize| (simulated[frame][1] - measured[frame][1]) / MILLIMETRE;
         Axes::new(self.time_axis().without_tick_labels(), Axis::linear("residual", "mm"))
-            .with(self.band(|_| 0.0))
-            .with(Mark::line(self.curve(off), palette::SIMULATED))
+            .with(self.deviation_band(|_| 0.0))
+            .with(Mark::line(self.curve_over_time(difference), palette::SIMULATED))
             .legend(Legend::None)
     }
 
-    fn pressures(&self) -> Axes {
+    fn pressure_axes(&self) -> Axes {
         let axes = Axes::new(self.time_axis(), Axis::linear("pressure", "mbar"));
         let looks = [(palette::PRESSURE, Dash::Solid), (palette::PRESSURE.towards(palette::BLACK, 0.5), Dash::Dashed)];
         let names = self.trial.card.chamber.iter().map(|chamber| chamber.name.as_str());
         let chambers = self.validation.pressures.iter().zip(names).enumerate();
         let axes = chambers.fold(axes, |axes, (i, (pressure, name))| {
             let (colour, dash) = looks[i % looks.len()];
-            let line = Mark::line(self.curve(|frame| pressure[frame] / MILLIBAR), colour).dashed(dash);
+            let line = Mark::line(self.curve_over_time(|frame| pressure[frame] / MILLIBAR), colour).dashed(dash);
             axes.with(line.labelled(name))
         });
         axes.legend(Legend::Over)

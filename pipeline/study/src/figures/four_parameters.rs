@@ -7,7 +7,7 @@
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Legend, Mark, Marker, Panel, Placed, Side, palette};
 use si::Point2;
 
-use super::order::{in_order, title};
+use super::order::{capitalised, in_order};
 use super::origin_note;
 use diagnostics::{Diagnostic, Result};
 use records::subject::{Specimen, Study};
@@ -24,26 +24,27 @@ impl figure::Figure for FourParameters {
     const CAPTION: &'static str = "both moduli and both Poisson's ratios, identified together";
     const VERSION: u32 = 5;
 
-    fn draw(Every(all): Self::Needs) -> Result<Figure> {
-        if all.is_empty() {
+    fn draw(Every(searches): Self::Needs) -> Result<Figure> {
+        if searches.is_empty() {
             return Err(Diagnostic::new(
                 "there is no search to show",
                 "no specimen has one",
                 "study run four_parameters",
             ));
         }
-        let all = in_order(all);
+        let searches = in_order(searches);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-        for (i, (specimen, found)) in all.iter().enumerate() {
+        for (i, (specimen, search)) in searches.iter().enumerate() {
             // one legend serves all rows: over a narrow panel it takes as much room as the panel
             let legend = |k: usize| if (i, k) == (0, 0) { Legend::Over } else { Legend::None };
-            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter(found, k, legend(k))));
-            let [first, others @ ..] = parameters;
-            let others = others.into_iter().chain([Placed::from(loss(found))]).map(Placed::without_panel_label);
-            let row = [first.titled(&title(&specimen.card.name))].into_iter().chain(others);
+            let parameters = [0, 1, 2, 3].map(|k| Placed::from(parameter_panel(search, k, legend(k))));
+            let [first, other_panels @ ..] = parameters;
+            let other_panels =
+                other_panels.into_iter().chain([Placed::from(loss_panel(search))]).map(Placed::without_panel_label);
+            let row = [first.titled(&capitalised(&specimen.card.name))].into_iter().chain(other_panels);
             figure = figure.row(if i == 0 { 56.0 } else { 40.0 }, row.collect::<Vec<Placed>>());
         }
-        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+        Ok(figure.noted(&origin_note(searches.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
 
@@ -51,19 +52,19 @@ const LABELS: [&str; 4] = ["E, body", "E, spine", "ν, body", "ν, spine"];
 const UNITS: [&str; 4] = ["MPa", "GPa", "", ""];
 const SCALES: [f64; 4] = [1e-6, 1e-9, 1.0, 1.0];
 
-fn parameter(found: &records::FourParameters, k: usize, legend: Legend) -> Panel {
+fn parameter_panel(search: &records::FourParameters, k: usize, legend: Legend) -> Panel {
     let points: Vec<Point2> =
-        found.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.in_display_units()[k]]).collect();
+        search.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.in_display_units()[k]]).collect();
     let last = points.len().max(2) as f64;
-    let [low, high] = found.plausible[k].map(|v| SCALES[k] * v);
+    let [low, high] = search.plausible[k].map(|v| SCALES[k] * v);
     let margin = 0.08 * (high - low);
     let axes = Axes::new(
         Axis::linear("simulations", "").range(1.0, last),
         Axis::linear(LABELS[k], UNITS[k]).range(low - margin, high + margin),
     );
-    let end = vec![[last, found.best.in_display_units()[k]]];
+    let end = vec![[last, search.best.in_display_units()[k]]];
     let axes = axes.legend(legend);
-    let ends = found.intervals()[k].map(|v| v.clamp(low - margin, high + margin));
+    let ends = search.intervals()[k].map(|v| v.clamp(low - margin, high + margin));
     // a uniform distribution over the plausible range has 95 % of itself in 95 % of it
     let determined = ends[1] - ends[0] < 0.95 * (high - low);
     let undetermined = (!determined)
@@ -79,8 +80,9 @@ fn parameter(found: &records::FourParameters, k: usize, legend: Legend) -> Panel
 }
 
 /// The loss at each simulation.
-fn loss(found: &records::FourParameters) -> Panel {
-    let points: Vec<Point2> = found.iterates.iter().enumerate().map(|(i, (_, loss))| [(i + 1) as f64, *loss]).collect();
+fn loss_panel(search: &records::FourParameters) -> Panel {
+    let points: Vec<Point2> =
+        search.iterates.iter().enumerate().map(|(i, (_, loss))| [(i + 1) as f64, *loss]).collect();
     let colour = palette::method("gauss_newton");
     let axes = Axes::new(Axis::linear("simulations", "").range(1.0, points.len().max(2) as f64), Axis::log("loss", ""));
     let axes =

@@ -45,8 +45,8 @@ const CUT_VIEW: plot::View = plot::View { direction: [-0.25, 0.62, -0.75], up: [
 const CIRCLE: f64 = 14.0;
 
 /// A circle around each place in a picture (px), which leaves what is there to be seen.
-fn circles(at: &[Point2]) -> impl Iterator<Item = Mark> {
-    at.iter().map(|[x, y]| {
+fn marker_circles(centres: &[Point2]) -> impl Iterator<Item = Mark> {
+    centres.iter().map(|[x, y]| {
         let turn = |k: u32| (std::f64::consts::TAU * f64::from(k) / 24.0).sin_cos();
         let rim = (0..=24).map(|k| [x + CIRCLE * turn(k).1, y + CIRCLE * turn(k).0]).collect();
         Mark::line(rim, palette::PRESSURE).sized(1.2)

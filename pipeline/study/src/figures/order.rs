@@ -10,45 +10,47 @@ const PAPER: [&str; 3] = ["nemo", "bruce", "dory"];
 /// Anything that belongs to a specimen.
 pub trait Belongs {
     /// The specimen's name.
-    fn tail(&self) -> &str;
+    fn tail_name(&self) -> &str;
 }
 
 impl Belongs for Specimen {
-    fn tail(&self) -> &str {
+    fn tail_name(&self) -> &str {
         &self.card.name
     }
 }
 
 impl Belongs for Trial {
-    fn tail(&self) -> &str {
+    fn tail_name(&self) -> &str {
         &self.card.name
     }
 }
 
-fn rank(name: &str) -> usize {
+fn paper_rank(name: &str) -> usize {
     PAPER.iter().position(|p| *p == name).unwrap_or(PAPER.len())
 }
 
 /// Subjects and what belongs to them, in the paper's order of tails.
-pub(crate) fn in_order<S: Belongs, R>(mut all: Vec<(S, R)>) -> Vec<(S, R)> {
-    all.sort_by(|(a, _), (b, _)| rank(a.tail()).cmp(&rank(b.tail())).then_with(|| a.tail().cmp(b.tail())));
-    all
+pub(crate) fn in_order<S: Belongs, R>(mut subjects: Vec<(S, R)>) -> Vec<(S, R)> {
+    subjects.sort_by(|(a, _), (b, _)| {
+        paper_rank(a.tail_name()).cmp(&paper_rank(b.tail_name())).then_with(|| a.tail_name().cmp(b.tail_name()))
+    });
+    subjects
 }
 
 /// The colour of a tail; one for all that are not the paper's.
-pub fn colour(name: &str) -> Colour {
-    palette::series(rank(name))
+pub(crate) fn tail_colour(name: &str) -> Colour {
+    palette::series(paper_rank(name))
 }
 
 /// A specimen's name capitalised: Nemo.
-pub fn title(name: &str) -> String {
+pub(crate) fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The record that belongs to a tail.
-pub fn of<'a, S: Belongs, R>(all: &'a [(S, R)], name: &str) -> Option<&'a R> {
-    all.iter().find(|(subject, _)| subject.tail() == name).map(|(_, record)| record)
+pub(crate) fn record_of<'a, S: Belongs, R>(subjects: &'a [(S, R)], name: &str) -> Option<&'a R> {
+    subjects.iter().find(|(subject, _)| subject.tail_name() == name).map(|(_, record)| record)
 }
 
 #[cfg(test)]
@@ -56,7 +58,7 @@ mod tests {
     use super::*;
 
     impl Belongs for &str {
-        fn tail(&self) -> &str {
+        fn tail_name(&self) -> &str {
             self
         }
     }
@@ -67,7 +69,7 @@ mod tests {
             in_order(all.into_iter().map(|n| (n, ())).collect()).into_iter().map(|(n, ())| n).collect()
         };
         assert_eq!(names(vec!["dory", "arm", "nemo"]), ["nemo", "dory", "arm"]);
-        assert_ne!(colour("nemo"), colour("dory"));
-        assert_eq!(title("nemo"), "Nemo");
+        assert_ne!(tail_colour("nemo"), tail_colour("dory"));
+        assert_eq!(capitalised("nemo"), "Nemo");
     }
 }

@@ -8,7 +8,7 @@ use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Legend, Mark, Ma
 use plot::{Scene, Side, View, palette};
 use si::{MILLIBAR, MILLIMETRE, Point2};
 
-use super::order::{in_order, of, title};
+use super::order::{capitalised, in_order, record_of};
 use super::origin_note;
 use diagnostics::{Diagnostic, Result};
 use records::subject::{Specimen, Study, Trial};
@@ -43,22 +43,24 @@ impl figure::Figure for Overview {
             return Err(Diagnostic::new("there is no loop to show", "no specimen was found", "rig record"));
         };
         let name = specimen.card.name.as_str();
-        let found = of(&identified, name);
-        let search = of(&compared, name).zip(found).filter(|(_, found)| found.solids.len() == 2);
-        let validation = of(&validations, name);
-        let traced = of(&thrusts, name).and_then(|thrust| thrust.traces.last());
+        let identification = record_of(&identified, name);
+        let comparison = record_of(&compared, name)
+            .zip(identification)
+            .filter(|(_, identification)| identification.solids.len() == 2);
+        let validation = record_of(&validations, name);
+        let traced = record_of(&thrusts, name).and_then(|thrust| thrust.traces.last());
         let insets = [
-            of(&examples, name).map(|example| Panel::Picture(frame(example))),
-            validation.map(|validation| Panel::Axes(pressures(validation))),
-            of(&inflations, name).and_then(|inflation| inflated(mesh, inflation)).map(Panel::Scene),
-            found.map(|found| Panel::Axes(misfit(found))),
-            search.map(|(comparison, found)| Panel::Axes(iterates(comparison, found))),
-            validation.map(|validation| Panel::Axes(motion(validation))),
-            traced.map(|trace| Panel::Axes(thrust(trace))),
+            record_of(&examples, name).map(|example| Panel::Picture(film_picture(example))),
+            validation.map(|validation| Panel::Axes(pressure_axes(validation))),
+            record_of(&inflations, name).and_then(|inflation| inflated_scene(mesh, inflation)).map(Panel::Scene),
+            identification.map(|identification| Panel::Axes(misfit_axes(identification))),
+            comparison.map(|(comparison, identification)| Panel::Axes(iterate_axes(comparison, identification))),
+            validation.map(|validation| Panel::Axes(motion_axes(validation))),
+            traced.map(|trace| Panel::Axes(thrust_axes(trace))),
         ];
         let note = origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()));
-        let figure =
-            Figure::new(DOUBLE_COLUMN_MM).row(SHEET[1] + 4.0, [Panel::Diagram(sheet(insets)).titled(&title(name))]);
+        let figure = Figure::new(DOUBLE_COLUMN_MM)
+            .row(SHEET[1] + 4.0, [Panel::Diagram(loop_diagram(insets)).titled(&capitalised(name))]);
         Ok(figure.noted(&note))
     }
 }
@@ -91,7 +93,7 @@ const ARROWS: [(&[Point2], &str, Side); 6] = [
 ];
 
 /// The loop with a panel in each box; a box is left empty where its record is not made.
-fn sheet(insets: [Option<Panel>; 7]) -> Diagram {
+fn loop_diagram(insets: [Option<Panel>; 7]) -> Diagram {
     let framed = STATIONS.iter().zip(insets).fold(Diagram::new(SHEET[0], SHEET[1]), |diagram, (station, inset)| {
         let Station(title, [x, y], [width, height]) = *station;
         let fill = palette::FAINT.towards(palette::PAPER, 0.6);
@@ -118,36 +120,36 @@ fn sheet(insets: [Option<Panel>; 7]) -> Diagram {
     })
 }
 
-fn frame(example: &ExampleFrames) -> Picture {
+fn film_picture(example: &ExampleFrames) -> Picture {
     let [left, top, right, bottom] = example.seen.window_px;
     let crop = example.held.crop(left, top, right - left, bottom - top);
-    let at: Vec<Point2> =
+    let centres: Vec<Point2> =
         example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
-    super::circles(&at).fold(Picture::new(crop.width, crop.height, crop.pixels), Picture::with)
+    super::marker_circles(&centres).fold(Picture::new(crop.width, crop.height, crop.pixels), Picture::with)
 }
 
-fn inflated(mesh: &Mesh, inflation: &Inflation) -> Option<Scene> {
+fn inflated_scene(mesh: &Mesh, inflation: &Inflation) -> Option<Scene> {
     let shape = inflation.filmed.and_then(|i| inflation.shapes.get(i)).or(inflation.shapes.last())?;
-    let whole = Surfaces::whole(&mesh.solid, &inflation.moved(mesh, shape));
-    Some(whole.onto(Scene::new(View::TOP), Bounds::painted))
+    let surfaces = Surfaces::whole(&mesh.solid, &inflation.moved(mesh, shape));
+    Some(surfaces.onto(Scene::new(View::TOP), Bounds::painted))
 }
 
 /// Places of the markers at every level, measured and simulated, mm.
-fn misfit(found: &Identified) -> Axes {
-    let place = |(rest, moved): (&Point2, &Point2)| [0, 1].map(|k| (rest[k] + moved[k]) / MILLIMETRE);
+fn misfit_axes(identified: &Identified) -> Axes {
+    let marker_position = |(rest, moved): (&Point2, &Point2)| [0, 1].map(|k| (rest[k] + moved[k]) / MILLIMETRE);
     let axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm")).equal().legend(Legend::None);
-    found.levels.iter().fold(axes, |axes, level| {
+    identified.levels.iter().fold(axes, |axes, level| {
         // length: a level has a measured and a simulated displacement for each marker
-        let measured = level.rest_m.iter().zip(&level.measured_m).map(place).collect();
-        let simulated = level.rest_m.iter().zip(&level.simulated_m).map(place).collect();
+        let measured = level.rest_m.iter().zip(&level.measured_m).map(marker_position).collect();
+        let simulated = level.rest_m.iter().zip(&level.simulated_m).map(marker_position).collect();
         axes.with(Mark::line(simulated, palette::SIMULATED))
             .with(Mark::points(measured, Marker::Ring, palette::MEASURED).sized(2.6))
     })
 }
 
 /// Both moduli at each simulation of the search by Gauss and Newton, and where it ends.
-fn iterates(comparison: &MethodComparison, found: &Identified) -> Axes {
-    let moduli: Vec<_> = found.moduli().collect();
+fn iterate_axes(comparison: &MethodComparison, identified: &Identified) -> Axes {
+    let moduli: Vec<_> = identified.moduli().collect();
     let tried = comparison.by("gauss_newton").map_or(&[][..], |search| &search.tried);
     let path: Vec<Point2> = tried.iter().map(|t| [0, 1].map(|k| moduli[k].scale * t.at[k])).collect();
     let axis = |k: usize| Axis::linear(&format!("E, {}", moduli[k].solid), moduli[k].unit);
@@ -162,30 +164,31 @@ fn iterates(comparison: &MethodComparison, found: &Identified) -> Axes {
 /// Frames of a motion from its middle on, over so many seconds.
 const EXCERPT: f64 = 1.2;
 
-fn excerpt(validation: &Validation) -> impl Iterator<Item = (usize, f64)> + '_ {
+fn motion_excerpt(validation: &Validation) -> impl Iterator<Item = (usize, f64)> + '_ {
     let begin = validation.time[validation.time.len() / 2];
     let within = move |t: &f64| (begin..begin + EXCERPT).contains(t);
     validation.time.iter().enumerate().filter(move |(_, t)| within(t)).map(move |(frame, t)| (frame, t - begin))
 }
 
-fn pressures(validation: &Validation) -> Axes {
+fn pressure_axes(validation: &Validation) -> Axes {
     let looks = [palette::PRESSURE, palette::PRESSURE.towards(palette::BLACK, 0.5)];
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("p", "mbar")).legend(Legend::None);
     validation.pressures.iter().zip(looks.into_iter().cycle()).fold(axes, |axes, (chamber, colour)| {
-        let curve = excerpt(validation).map(|(frame, t)| [t, chamber[frame] / MILLIBAR]).collect();
+        let curve = motion_excerpt(validation).map(|(frame, t)| [t, chamber[frame] / MILLIBAR]).collect();
         axes.with(Mark::line(curve, colour))
     })
 }
 
-fn motion(validation: &Validation) -> Axes {
-    let curve = |path: &[Point2]| excerpt(validation).map(|(frame, t)| [t, path[frame][1] / MILLIMETRE]).collect();
+fn motion_axes(validation: &Validation) -> Axes {
+    let curve =
+        |path: &[Point2]| motion_excerpt(validation).map(|(frame, t)| [t, path[frame][1] / MILLIMETRE]).collect();
     Axes::new(Axis::linear("time", "s"), Axis::linear("tip", "mm"))
         .with(Mark::line(curve(&validation.measured), palette::MEASURED).sized(1.3))
         .with(Mark::line(curve(&validation.simulated), palette::SIMULATED).dashed(Dash::Dashed))
         .legend(Legend::None)
 }
 
-fn thrust(trace: &Trace) -> Axes {
+fn thrust_axes(trace: &Trace) -> Axes {
     let first = trace.time.first().copied().unwrap_or(0.0);
     let curve = |values: &[f64]| {
         let shown = trace.time.iter().zip(values).map(|(t, force)| [t - first, 1e3 * force]);

@@ -9,7 +9,7 @@ use si::{MILLIBAR, MILLIMETRE, Metre, Pascal, Point2, Point3};
 use track::Gray;
 use track::pose::Pose;
 
-use super::order::{in_order, of};
+use super::order::{in_order, record_of};
 use super::origin_note;
 use diagnostics::{Diagnostic, Result};
 use records::subject::{Specimen, Study, Trial};
@@ -41,7 +41,8 @@ impl figure::Figure for StaticOverlay {
         let (cameras, examples) = (in_order(cameras), in_order(examples));
         let overlay = inflations.iter().find_map(|(specimen, inflation)| {
             let name = &specimen.card.name;
-            let (mesh, camera, example) = (of(&meshes, name)?, of(&cameras, name)?, of(&examples, name)?);
+            let (mesh, camera, example) =
+                (record_of(&meshes, name)?, record_of(&cameras, name)?, record_of(&examples, name)?);
             Some((specimen, FilmView { card: &specimen.card, mesh, camera, inflation, example }))
         });
         let (specimen, film) = overlay.ok_or_else(no_film)?;
@@ -77,56 +78,56 @@ impl FilmView<'_> {
         simulated.sort_by(|a, b| a.2.pressure().total_cmp(&b.2.pressure()));
         let panels = simulated.len().min(COLUMNS * ROWS);
         let chosen = (1..=panels).map(|panel| panel * simulated.len() / panels - 1);
-        chosen.map(|index| self.overlaid(simulated[index])).collect()
+        chosen.map(|index| self.overlaid_picture(simulated[index])).collect()
     }
 
     /// The shape under the pressure of a level.
     fn shape_of(&self, level: &HeldLevel) -> Option<&Shape> {
-        let held = level.pressures_pa.iter().copied().fold(0.0, f64::max);
-        let difference = |shape: &Shape| (shape.pressure() - held).abs();
+        let level_pressure = level.pressures_pa.iter().copied().fold(0.0, f64::max);
+        let difference = |shape: &Shape| (shape.pressure() - level_pressure).abs();
         let nearest = self.inflation.shapes.iter().min_by(|a, b| difference(a).total_cmp(&difference(b)))?;
-        (difference(nearest) < SAME_LEVEL * held).then_some(nearest)
+        (difference(nearest) < SAME_LEVEL * level_pressure).then_some(nearest)
     }
 
     /// The picture of a level with the shape's outline and marks.
-    fn overlaid(&self, (level, picture, shape): (&HeldLevel, &Gray, &Shape)) -> Placed {
+    fn overlaid_picture(&self, (level, picture, shape): (&HeldLevel, &Gray, &Shape)) -> Placed {
         let nodes = self.inflation.moved(self.mesh, shape);
         let model: Vec<Point3> = self.mesh.markers.iter().map(|spot| spot.at(&nodes)).collect();
-        let crosses: Vec<Point2> = model.iter().filter_map(|&mark| self.pixel(mark)).collect();
+        let crosses: Vec<Point2> = model.iter().filter_map(|&mark| self.pixel_of_point(mark)).collect();
         let filmed: Vec<Point2> = level.markers_px.iter().map(|&mark| self.in_window(mark)).collect();
         let overlaid = Picture::new(picture.width, picture.height, picture.pixels.clone());
-        let overlaid = super::circles(&filmed).fold(overlaid, Picture::with);
+        let overlaid = super::marker_circles(&filmed).fold(overlaid, Picture::with);
         let overlaid = self
-            .outline(&nodes)
+            .model_outline(&nodes)
             .into_iter()
             .fold(overlaid, |drawn, side| drawn.with(Mark::line(side, palette::SIMULATED).sized(1.4)));
         let overlaid = overlaid
             .with(Mark::points(crosses, Marker::Cross, palette::SIMULATED).sized(3.0))
             .with_scale_bar(0.02 * self.example.seen.px_per_m, "20 mm");
-        Panel::Picture(overlaid).titled(&self.title(shape.pressure(), &filmed, &model))
+        Panel::Picture(overlaid).titled(&self.level_title(shape.pressure(), &filmed, &model))
     }
 
     /// Both sides of the model's outline, px of the window.
-    fn outline(&self, nodes: &[Point3]) -> Vec<Vec<Point2>> {
+    fn model_outline(&self, nodes: &[Point3]) -> Vec<Vec<Point2>> {
         let markers: Vec<Point3> = self.card.marker.iter().map(|marker| marker.at).collect();
         let Some(stations) = Stations::new(self.card.clamp.end(), &markers) else { return Vec::new() };
         let sides = stations.outline((&self.mesh.solid, &self.mesh.markers), nodes, self.example.seen.eye_m);
-        let on_plane = |[x, y]: &Point2| self.pixel([*x, *y, 0.0]);
+        let on_plane = |[x, y]: &Point2| self.pixel_of_point([*x, *y, 0.0]);
         sides.iter().map(|side| side.iter().filter_map(on_plane).collect()).collect()
     }
 
-    fn title(&self, pressure: Pascal, filmed: &[Point2], model: &[Point3]) -> String {
-        let apart = |(seen, mark): (&Point2, &Point3)| -> Option<Metre> {
-            let drawn = self.pixel(*mark)?;
+    fn level_title(&self, pressure: Pascal, filmed: &[Point2], model: &[Point3]) -> String {
+        let distance_in_film = |(seen, mark): (&Point2, &Point3)| -> Option<Metre> {
+            let drawn = self.pixel_of_point(*mark)?;
             Some((drawn[0] - seen[0]).hypot(drawn[1] - seen[1]) / self.example.seen.px_per_m)
         };
         // length: the card's markers, in the film and in the mesh
-        let farthest = filmed.iter().zip(model).filter_map(apart).fold(0.0, f64::max);
+        let farthest = filmed.iter().zip(model).filter_map(distance_in_film).fold(0.0, f64::max);
         format!("{:.0} mbar: {:.1} mm apart", pressure / MILLIBAR, farthest / MILLIMETRE)
     }
 
     /// Where the film's camera sees a point (m), px of the window; refraction is neglected, as the film is of a tail in air.
-    fn pixel(&self, point: Point3) -> Option<Point2> {
+    fn pixel_of_point(&self, point: Point3) -> Option<Point2> {
         let (rotation, translation) = self.example.seen.camera_pose;
         let pose = Pose { rotation, translation };
         Some(self.in_window(self.camera.lens.project(pose.apply(point))?))

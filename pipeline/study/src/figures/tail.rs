@@ -7,7 +7,7 @@ use plot::{
 use plot::{Scene, View, palette};
 use si::{MILLIBAR, MILLIMETRE, Pascal, Point2, Point3};
 
-use super::order::{in_order, of, title};
+use super::order::{capitalised, in_order, record_of};
 use super::origin_note;
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::Walls;
@@ -36,25 +36,28 @@ impl figure::Figure for Tail {
         let (meshes, inflations) = (in_order(meshes), in_order(inflations));
         let Some((specimen, inflation)) = inflations.first() else { return Err(no_tail()) };
         let name = &specimen.card.name;
-        let (Some(mesh), Some(shape)) = (of(&meshes, name), shape_to_draw(inflation)) else { return Err(no_tail()) };
+        let (Some(mesh), Some(shape)) = (record_of(&meshes, name), shape_to_draw(inflation)) else {
+            return Err(no_tail());
+        };
         let simulated = format!("simulated at {:.0} mbar", shape.pressure() / MILLIBAR);
         let mut top = vec![
-            Panel::Scene(cut(mesh)).titled(&format!("{}, cut open at mid height", title(name))),
-            Panel::Scene(inflated(mesh, inflation, shape)).titled(&simulated),
+            Panel::Scene(cut_scene(mesh)).titled(&format!("{}, cut open at mid height", capitalised(name))),
+            Panel::Scene(inflated_scene(mesh, inflation, shape)).titled(&simulated),
         ];
-        let example = of(&examples, name);
-        top.extend(example.map(filmed));
+        let example = record_of(&examples, name);
+        top.extend(example.map(filmed_picture));
         let film = example.map_or(&[][..], |example| &example.seen.walls);
         let body = recovered.specimens.iter().find(|s| s.name == *name);
         let hidden = body.and_then(|body| Some(body.walls?.hidden_critical_pressure_pa));
-        let held = example.and_then(|example| example.seen.buckling_pressures());
+        let film_buckling = example.and_then(|example| example.seen.buckling_pressures());
         let buckles = [inflation.buckling_pressure(), hidden];
-        let others = [film, body.map_or(&[][..], |body| &body.hidden)];
-        let dents = over_pressure(inflation, others, ("dent of the slack wall", |w| w.dent_m));
-        let bulges = over_pressure(inflation, others, ("bulge of the filled wall", |w| w.bulge_m)).legend(Legend::None);
+        let other_walls = [film, body.map_or(&[][..], |body| &body.hidden)];
+        let dents = over_pressure(inflation, other_walls, ("dent of the slack wall", |w| w.dent_m));
+        let bulges =
+            over_pressure(inflation, other_walls, ("bulge of the filled wall", |w| w.bulge_m)).legend(Legend::None);
         let bottom = [
-            Panel::Scene(section(mesh, inflation, shape)).titled(&walls(shape)),
-            Panel::Axes(critical(dents, held, buckles)).titled("dent, and where it buckles"),
+            Panel::Scene(section_scene(mesh, inflation, shape)).titled(&section_title(shape)),
+            Panel::Axes(with_critical_pressures(dents, film_buckling, buckles)).titled("dent, and where it buckles"),
             Panel::Axes(bulges).titled("bulge"),
         ];
         let figure = Figure::new(DOUBLE_COLUMN_MM).row(ROWS[0], top).row(ROWS[1], bottom);
@@ -71,28 +74,28 @@ fn shape_to_draw(inflation: &Inflation) -> Option<&Shape> {
     inflation.filmed.and_then(|i| inflation.shapes.get(i)).or(inflation.shapes.last())
 }
 
-fn cut(mesh: &Mesh) -> Scene {
+fn cut_scene(mesh: &Mesh) -> Scene {
     let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
     lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted).with_scale_bar(20.0 * MILLIMETRE)
 }
 
-fn inflated(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
-    let moved = inflation.moved(mesh, shape);
+fn inflated_scene(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
+    let nodes = inflation.moved(mesh, shape);
     let outside = |bounds: Bounds| matches!(bounds, Bounds::Body | Bounds::Sheet).then(|| bounds.painted()).flatten();
-    let markers: Vec<Point3> = mesh.markers.iter().map(|spot| spot.at(&moved)).collect();
-    Surfaces::whole(&mesh.solid, &moved)
+    let markers: Vec<Point3> = mesh.markers.iter().map(|spot| spot.at(&nodes)).collect();
+    Surfaces::whole(&mesh.solid, &nodes)
         .onto(Scene::new(ABOVE), outside)
         .with_overlay(markers, OverlayKind::Markers(Marker::Disc), palette::BLACK, 4.0)
         .with_scale_bar(20.0 * MILLIMETRE)
 }
 
 /// The film's frame, cut to where the tail moves, with the markers as they were tracked.
-fn filmed(example: &ExampleFrames) -> Placed {
+fn filmed_picture(example: &ExampleFrames) -> Placed {
     let [left, top, right, bottom] = example.seen.window_px;
     let crop = example.held.crop(left, top, right - left, bottom - top);
-    let at: Vec<Point2> =
+    let centres: Vec<Point2> =
         example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
-    let picture = super::circles(&at)
+    let picture = super::marker_circles(&centres)
         .fold(Picture::new(crop.width, crop.height, crop.pixels), Picture::with)
         .with_scale_bar(0.02 * example.seen.px_per_m, "20 mm");
     let pressure = example.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
@@ -100,20 +103,20 @@ fn filmed(example: &ExampleFrames) -> Placed {
 }
 
 /// The section at mid height, inflated, over the one at rest.
-fn section(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
-    let moved = inflation.moved(mesh, shape);
+fn section_scene(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
+    let nodes = inflation.moved(mesh, shape);
     let cut = |bounds: Bounds| bounds.is_cut().then(|| bounds.colour());
-    let rest = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
-    let low = |s: &mut Surfaces, by: f64| s.points.iter_mut().for_each(|p| p[2] = by);
-    let (mut rest, mut now) = (rest, Surfaces::lower(&mesh.solid, &moved));
-    low(&mut rest, -1e-3);
-    low(&mut now, 0.0);
+    let undeformed = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
+    let flatten = |s: &mut Surfaces, height: f64| s.points.iter_mut().for_each(|p| p[2] = height);
+    let (mut undeformed, mut inflated) = (undeformed, Surfaces::lower(&mesh.solid, &nodes));
+    flatten(&mut undeformed, -1e-3);
+    flatten(&mut inflated, 0.0);
     let faint = |b: Bounds| cut(b).map(|c| Paint::Solid(c.towards(palette::PAPER, 0.75)));
-    let scene = rest.onto(Scene::new(ABOVE), faint);
-    now.onto(scene, |b| cut(b).map(Paint::Solid)).with_scale_bar(20.0 * MILLIMETRE)
+    let scene = undeformed.onto(Scene::new(ABOVE), faint);
+    inflated.onto(scene, |b| cut(b).map(Paint::Solid)).with_scale_bar(20.0 * MILLIMETRE)
 }
 
-fn walls(shape: &Shape) -> String {
+fn section_title(shape: &Shape) -> String {
     let Walls { bulge_m, dent_m, .. } = shape.walls;
     format!("section: bulge {:.1} mm, dent {:.2} mm", bulge_m / MILLIMETRE, dent_m / MILLIMETRE)
 }
@@ -123,12 +126,12 @@ type Curve<'a> = &'a [(Pascal, Walls)];
 
 /// Displacement of a wall relative to the sheet over pressure: of the model and the true body at mid height, of the model and the film in
 /// silhouette.
-fn over_pressure(inflation: &Inflation, [film, body]: [Curve; 2], (what, of): (&str, fn(&Walls) -> f64)) -> Axes {
-    let point = |p: Pascal, walls: &Walls| [p / MILLIBAR, of(walls) / MILLIMETRE];
+fn over_pressure(inflation: &Inflation, [film, body]: [Curve; 2], (what, value): (&str, fn(&Walls) -> f64)) -> Axes {
+    let point = |p: Pascal, walls: &Walls| [p / MILLIBAR, value(walls) / MILLIMETRE];
     let shapes = || inflation.shapes.iter();
     let section = shapes().map(|s| point(s.pressure(), &s.walls)).collect();
     let silhouette: Vec<Point2> = shapes().filter_map(|s| Some(point(s.pressure(), s.silhouette.as_ref()?))).collect();
-    let points = |of: Curve| of.iter().map(|(p, walls)| point(*p, walls)).collect();
+    let points = |curve: Curve| curve.iter().map(|(p, walls)| point(*p, walls)).collect();
     let axes = Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear(what, "mm"))
         .with(Mark::line(points(body), palette::SPINE).labelled("true body, mid height"))
         .with(Mark::line(section, palette::SIMULATED).labelled("model, mid height"));
@@ -145,7 +148,7 @@ fn over_pressure(inflation: &Inflation, [film, body]: [Curve; 2], (what, of): (&
 }
 
 /// Adds the pressures at which model and true body buckle, and below all those between which the film's tail does.
-fn critical(mut axes: Axes, film: Option<[Pascal; 2]>, [model, body]: [Option<Pascal>; 2]) -> Axes {
+fn with_critical_pressures(mut axes: Axes, film: Option<[Pascal; 2]>, [model, body]: [Option<Pascal>; 2]) -> Axes {
     let span = |[low, high]: [Pascal; 2]| Mark::span(low / MILLIBAR, high / MILLIBAR, palette::MEASURED);
     axes.marks.splice(0..0, film.map(span).map(|span| span.labelled("film, buckles between")));
     let line = |(p, colour, text): (Option<Pascal>, _, &str)| {

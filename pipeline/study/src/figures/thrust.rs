@@ -6,7 +6,7 @@
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, Panel, Placed, palette};
 use si::{MILLIMETRE, Point2};
 
-use super::order::{in_order, title};
+use super::order::{capitalised, in_order};
 use super::origin_note;
 use diagnostics::{Diagnostic, Result};
 use records::subject::{Specimen, Study};
@@ -28,74 +28,75 @@ impl figure::Figure for Thrust {
         Every::<records::Thrust>::any(study)
     }
 
-    fn draw(Every(all): Self::Needs) -> Result<Figure> {
-        if all.is_empty() {
+    fn draw(Every(thrusts): Self::Needs) -> Result<Figure> {
+        if thrusts.is_empty() {
             return Err(Diagnostic::new(
                 "there is no thrust to show",
                 "no card has a split of trials with a force log",
                 "add one",
             ));
         }
-        let all = in_order(all);
+        let thrusts = in_order(thrusts);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-        for (specimen, thrust) in &all {
-            let moved: Vec<Placed> = thrust.traces.iter().map(|t| motion(specimen, t)).collect();
-            let pulled: Vec<Placed> = thrust.traces.iter().map(forces).collect();
-            figure = figure.row(26.0, moved).row(42.0, pulled);
+        for (specimen, thrust) in &thrusts {
+            let motions: Vec<Placed> = thrust.traces.iter().map(|t| motion_panel(specimen, t)).collect();
+            let force_panels: Vec<Placed> = thrust.traces.iter().map(force_panel).collect();
+            figure = figure.row(26.0, motions).row(42.0, force_panels);
         }
-        figure = figure.row(50.0, all.iter().map(|(s, t)| means(s, t)).collect::<Vec<Placed>>());
-        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+        figure = figure.row(50.0, thrusts.iter().map(|(s, t)| means_panel(s, t)).collect::<Vec<Placed>>());
+        Ok(figure.noted(&origin_note(thrusts.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
 
 /// Points against time from the trace's first sample on.
-fn curve(trace: &Trace, values: &[f64], by: f64) -> Vec<Point2> {
+fn trace_curve(trace: &Trace, values: &[f64], scale: f64) -> Vec<Point2> {
     let first = trace.time.first().copied().unwrap_or(0.0);
-    trace.time.iter().zip(values).map(|(t, v)| [t - first, by * v]).collect()
+    trace.time.iter().zip(values).map(|(t, v)| [t - first, scale * v]).collect()
 }
 
-fn motion(specimen: &Specimen, trace: &Trace) -> Placed {
+fn motion_panel(specimen: &Specimen, trace: &Trace) -> Placed {
     let kind = if trace.training { "training" } else { "test" };
     let axes = Axes::new(Axis::linear("time", "s").without_tick_labels(), Axis::linear("tail", "mm"))
-        .with(Mark::line(curve(trace, &trace.moved, 1.0 / MILLIMETRE), palette::DISPLACEMENT));
-    Panel::Axes(axes).titled(&format!("{} {kind}: {}", title(&specimen.card.name), trace.run.replace('_', " ")))
+        .with(Mark::line(trace_curve(trace, &trace.moved, 1.0 / MILLIMETRE), palette::DISPLACEMENT));
+    Panel::Axes(axes).titled(&format!("{} {kind}: {}", capitalised(&specimen.card.name), trace.run.replace('_', " ")))
 }
 
-fn forces(trace: &Trace) -> Placed {
+fn force_panel(trace: &Trace) -> Placed {
     let mean = |values: &[f64]| 1e3 * values.iter().sum::<f64>() / values.len().max(1) as f64;
     let label = |what: &str, values: &[f64]| format!("{what}, mean {:.0} mN", mean(values));
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("thrust", "mN"))
         .with(Mark::horizontal_line(0.0, palette::MUTED))
         .with(
-            Mark::line(curve(trace, &trace.theory, 1e3), palette::ELONGATED_BODY)
+            Mark::line(trace_curve(trace, &trace.theory, 1e3), palette::ELONGATED_BODY)
                 .dashed(Dash::Dashed)
                 .labelled(&label("theory", &trace.theory)),
         )
         .with(
-            Mark::line(curve(trace, &trace.tuned, 1e3), palette::DISPLACEMENT)
+            Mark::line(trace_curve(trace, &trace.tuned, 1e3), palette::DISPLACEMENT)
                 .dashed(Dash::Dotted)
                 .labelled(&label("tuned theory", &trace.tuned)),
         )
         .with(
-            Mark::line(curve(trace, &trace.measured, 1e3), palette::MEASURED)
+            Mark::line(trace_curve(trace, &trace.measured, 1e3), palette::MEASURED)
                 .sized(1.3)
                 .labelled(&label("measured, corrected", &trace.measured)),
         )
         .with(
-            Mark::line(curve(trace, &trace.network, 1e3), palette::NETWORK).labelled(&label("network", &trace.network)),
+            Mark::line(trace_curve(trace, &trace.network, 1e3), palette::NETWORK)
+                .labelled(&label("network", &trace.network)),
         );
     Placed::from(Panel::Axes(axes.legend(Legend::Over))).without_panel_label()
 }
 
-fn means(specimen: &Specimen, thrust: &records::Thrust) -> Placed {
-    let points = |evaluated: fn(&records::Means) -> f64| -> Vec<Point2> {
-        thrust.means.iter().map(|m| [1e3 * m.measured_n, 1e3 * evaluated(m)]).collect()
+fn means_panel(specimen: &Specimen, thrust: &records::Thrust) -> Placed {
+    let points = |predicted: fn(&records::Means) -> f64| -> Vec<Point2> {
+        thrust.means.iter().map(|m| [1e3 * m.measured_n, 1e3 * predicted(m)]).collect()
     };
-    let most = thrust.means.iter().map(|m| 1e3 * m.measured_n).fold(0.0, f64::max);
+    let highest_mean = thrust.means.iter().map(|m| 1e3 * m.measured_n).fold(0.0, f64::max);
     let axes = Axes::new(Axis::linear("measured mean", "mN"), Axis::linear("predicted mean", "mN"))
-        .with(Mark::line(vec![[0.0, 0.0], [most, most]], palette::MUTED).dashed(Dash::Dotted))
+        .with(Mark::line(vec![[0.0, 0.0], [highest_mean, highest_mean]], palette::MUTED).dashed(Dash::Dotted))
         .with(Mark::points(points(|m| m.theory_n), Marker::Triangle, palette::ELONGATED_BODY).labelled("theory"))
         .with(Mark::points(points(|m| m.tuned_n), Marker::Cross, palette::DISPLACEMENT).labelled("tuned theory"))
         .with(Mark::points(points(|m| m.network_n), Marker::Disc, palette::NETWORK).labelled("network"));
-    Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: held-out runs", title(&specimen.card.name)))
+    Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: held-out runs", capitalised(&specimen.card.name)))
 }

@@ -16,34 +16,34 @@ impl Fitting<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the best moduli, or the data do not determine them.
-    pub fn assemble(
+    pub(crate) fn assemble_record(
         &self,
-        found: &Minimum,
+        minimum: &Minimum,
         finer: Result<Model, String>,
         context: &dyn StageContext,
     ) -> Result<Identified> {
         context.progress(0.95, "at the identified moduli");
-        let (loss, best, levels) = (&self.loss, &found.moduli.history.best, &found.levels);
+        let (loss, best, levels) = (&self.loss, &minimum.moduli.history.best, &minimum.levels);
         let (elastic, misfit) = (loss.elastic(&best.at), &loss.misfit);
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let highest = levels.iter().zip(&misfit.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
-        let residuals = self.residuals(found)?;
-        let discretisation = self.discretisation(finer, &elastic, &markers, residuals);
-        let discrepancy = self.estimated(residuals)?;
+        let residuals = self.whitened_residuals(minimum)?;
+        let discretisation = self.discretisation_error(finer, &elastic, &markers, residuals);
+        let discrepancy = self.estimated_discrepancy(residuals)?;
         let (covariance, chi_square) = discrepancy.posterior(misfit, residuals.0, residuals.1)?;
         let posterior = Posterior { covariance, discretisation, chi_square };
-        let uncertainty = uncertainty::of(loss.body, &posterior, (&best.at, found.problem.bounds()));
+        let uncertainty = uncertainty::of(loss.body, &posterior, (&best.at, minimum.problem.bounds()));
         Ok(Identified {
             solids: loss.body.materials.iter().map(|m| m.name.clone()).collect(),
             sigma: elastic.youngs_moduli.iter().zip(&uncertainty.sigma).map(|(e, s)| e * s).collect(),
             best: elastic.youngs_moduli.clone(),
-            stiffening: self.stiffening(found, &posterior),
-            certificate: found.certificate.clone(),
+            stiffening: self.stiffening_with_sigma(minimum, &posterior),
+            certificate: minimum.certificate.clone(),
             modulus_time: self.modulus_time,
             loss: misfit.loss(&markers),
             durations: IdentificationDurations {
                 gradient_over_forward: gradient_over_forward(levels),
-                search: found.durations,
+                search: minimum.durations,
             },
             levels: self.simulated_levels(&markers),
             inflated: highest.map(|(level, _)| by_node(&level.displacement)).unwrap_or_default(),
@@ -56,34 +56,35 @@ impl Fitting<'_> {
 
     /// Whitened residuals at the best point and the number of their parameters: the moduli's logarithms and, where the law stiffens, both
     /// ratios of stiffening.
-    fn residuals<'m>(&self, found: &'m Minimum) -> Result<(&'m Residuals, usize)> {
+    fn whitened_residuals<'m>(&self, minimum: &'m Minimum) -> Result<(&'m Residuals, usize)> {
         let solids = self.loss.body.materials.len();
-        Ok(match &found.stiffened {
+        Ok(match &minimum.stiffened {
             Some(together) => (&together.residuals, solids + together.ratios.len()),
-            None => (residuals_of(&found.moduli.history.best)?, solids),
+            None => (residuals_of(&minimum.moduli.history.best)?, solids),
         })
     }
 
-    fn stiffening(&self, found: &Minimum, posterior: &Posterior) -> Option<records::Stiffening> {
+    fn stiffening_with_sigma(&self, minimum: &Minimum, posterior: &Posterior) -> Option<records::Stiffening> {
         let solids = self.loss.body.materials.len();
-        let of = |found: &Stiffened| records::Stiffening {
-            ratios: found.ratios,
+        let with_sigma = |stiffened: &Stiffened| records::Stiffening {
+            ratios: stiffened.ratios,
             sigma: [0, 1].map(|term| posterior.covariance.sigma(solids + term)),
         };
-        found.stiffened.as_ref().map(of)
+        minimum.stiffened.as_ref().map(with_sigma)
     }
 
     fn simulated_levels(&self, markers: &[Vec<Point2>]) -> Vec<Level> {
-        let all = self.loss.misfit.levels.iter().zip(markers).zip(&self.origins);
-        all.map(|((model, simulated), (trial, rest))| Level {
-            trial: trial.clone(),
-            pressures_pa: model.pressures.clone(),
-            rest_m: rest.clone(),
-            measured_m: model.measured.clone(),
-            covariance_m2: model.covariance.clone(),
-            shared_m2: model.shared.clone(),
-            simulated_m: simulated.clone(),
-        })
-        .collect()
+        let levels_with_origins = self.loss.misfit.levels.iter().zip(markers).zip(&self.origins);
+        levels_with_origins
+            .map(|((level, simulated), (trial, rest))| Level {
+                trial: trial.clone(),
+                pressures_pa: level.pressures.clone(),
+                rest_m: rest.clone(),
+                measured_m: level.measured.clone(),
+                covariance_m2: level.covariance.clone(),
+                shared_m2: level.shared.clone(),
+                simulated_m: simulated.clone(),
+            })
+            .collect()
     }
 }

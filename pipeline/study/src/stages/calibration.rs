@@ -25,18 +25,23 @@ impl Stage for Calibration {
     fn run((): &(), _: &Settings, recovered: Recovered, _: &dyn StageContext) -> Result<records::Calibration> {
         let estimates: Vec<&Estimate> = recovered.specimens.iter().flat_map(|s| &s.estimates).collect();
         let kinds = QuantityKind::ALL.map(|(kind, name, title)| {
-            let own = || estimates.iter().filter(|e| e.quantity.kind() == kind);
-            let errors = own().map(|e| e.standardised_error()).collect();
-            Coverage { name: name.into(), title: title.into(), errors, sigma: median(own().map(|e| e.sigma).collect()) }
+            let estimates_of_kind = || estimates.iter().filter(|e| e.quantity.kind() == kind);
+            let errors = estimates_of_kind().map(|e| e.standardised_error()).collect();
+            Coverage {
+                name: name.into(),
+                title: title.into(),
+                errors,
+                sigma: median(estimates_of_kind().map(|e| e.sigma).collect()),
+            }
         });
         let kinds = kinds.into_iter().filter(|kind| !kind.errors.is_empty()).collect();
         Ok(records::Calibration { specimens: recovered.specimens.len(), kinds })
     }
 }
 
-fn median(mut of: Vec<f64>) -> f64 {
-    of.sort_by(f64::total_cmp);
-    of.get(of.len() / 2).copied().unwrap_or(f64::NAN)
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

@@ -30,8 +30,8 @@ pub struct Settings {
     reprojection_limit_px: f64,
 }
 
-/// The calibration target.
-struct Seen {
+/// Views of the board in the calibration film.
+struct BoardViews {
     views: Vec<View>,
     on_plane: Vec<View>,
     size: (usize, usize),
@@ -93,31 +93,33 @@ impl Stage for Camera {
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Camera> {
         let Card(Some(camera)) = card else { return Err(no_camera()) };
-        let board = target(&camera.board);
-        let seen = look(camera, &board, context)?;
-        let (width, height) = seen.size;
-        let found = match &camera.coefficients {
-            Some(_) => known(camera, &board, &seen, context)?,
-            None => calibrate(&seen.views, &board.points(), bend(camera), seen.size)?,
+        let board = board_target(&camera.board);
+        let board_views = detect_board(camera, &board, context)?;
+        let (width, height) = board_views.size;
+        let calibration = match &camera.coefficients {
+            Some(_) => known_calibration(camera, &board, &board_views, context)?,
+            None => calibrate(&board_views.views, &board.points(), lens_distortion(camera), board_views.size)?,
         };
         let is_known = camera.coefficients.is_some();
-        let contradiction =
-            is_known.then(|| focal_difference(&found.lens, &seen.views, &board.points(), seen.size)).flatten();
-        if found.reprojection_px > set.reprojection_limit_px {
-            return Err(not_believed(context, found.reprojection_px, set.reprojection_limit_px));
+        let contradiction = is_known
+            .then(|| focal_difference(&calibration.lens, &board_views.views, &board.points(), board_views.size))
+            .flatten();
+        if calibration.reprojection_px > set.reprojection_limit_px {
+            return Err(not_believed(context, calibration.reprojection_px, set.reprojection_limit_px));
         }
-        let plane_view = View::mean(&seen.on_plane);
+        let plane_view = View::mean(&board_views.on_plane);
         let on_board = plane_view.points(&board.points());
         let corners: Vec<Point3> = on_board.iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
-        let pose = pose_from_plane(&found.lens, &corners, &plane_view.corners)?;
-        let covariance = joint_covariance((&found.lens, &found.covariance), &pose, &corners, &plane_view.corners);
+        let pose = pose_from_plane(&calibration.lens, &corners, &plane_view.corners)?;
+        let covariance =
+            joint_covariance((&calibration.lens, &calibration.covariance), &pose, &corners, &plane_view.corners);
         Ok(records::Camera {
-            lens: found.lens,
+            lens: calibration.lens,
             pose,
-            reprojection_px: found.reprojection_px,
+            reprojection_px: calibration.reprojection_px,
             covariance: covariance?,
             size_px: [width, height],
-            views: seen.views.len(),
+            views: board_views.views.len(),
             contradiction,
         })
     }
@@ -132,7 +134,7 @@ fn no_camera() -> Diagnostic {
 }
 
 /// The board of a card as the detector's target.
-pub fn target(board: &card::Board) -> Target {
+pub fn board_target(board: &card::Board) -> Target {
     let dictionary = board.dictionary.as_deref().and_then(|name| name.parse().ok()); // its name was checked with the card
     let kind = match board.kind {
         BoardKind::Checkerboard => TargetKind::Checkerboard,
@@ -143,7 +145,7 @@ pub fn target(board: &card::Board) -> Target {
     Target::new(kind, [board.columns, board.rows], board.square)
 }
 
-fn bend(camera: &CalibrationFilm) -> Distortion {
+fn lens_distortion(camera: &CalibrationFilm) -> Distortion {
     match camera.lens {
         LensKind::BrownConrady => Distortion::BrownConrady,
         LensKind::Fisheye => Distortion::Fisheye,
@@ -151,15 +153,21 @@ fn bend(camera: &CalibrationFilm) -> Distortion {
 }
 
 /// The lens of the card's coefficients, taken as exact, checked against every view of the board.
-fn known(camera: &CalibrationFilm, board: &Target, seen: &Seen, context: &dyn StageContext) -> Result<Calibration> {
-    let place = context.display_path("lens");
-    let text = lab::log::decoded(context.bytes("lens")?, Path::new(&place))?;
-    let in_file = |e: Diagnostic| e.in_file(Path::new(&place));
-    let fisheye = bend(camera) == Distortion::Fisheye;
+fn known_calibration(
+    camera: &CalibrationFilm,
+    board: &Target,
+    board_views: &BoardViews,
+    context: &dyn StageContext,
+) -> Result<Calibration> {
+    let lens_path = context.display_path("lens");
+    let text = lab::log::decoded(context.bytes("lens")?, Path::new(&lens_path))?;
+    let in_file = |e: Diagnostic| e.in_file(Path::new(&lens_path));
+    let fisheye = lens_distortion(camera) == Distortion::Fisheye;
     let KnownLens { lens, size, .. } = opencv::read(&text, fisheye).map_err(|e| in_file(e.into()))?;
-    picture_size::check(size.unwrap_or(seen.size.into()), seen.size.into()).map_err(|e| in_file(e.into()))?;
+    picture_size::check(size.unwrap_or(board_views.size.into()), board_views.size.into())
+        .map_err(|e| in_file(e.into()))?;
     let points = board.points();
-    let views = &seen.views;
+    let views = &board_views.views;
     let pose = |view: &View| pose_from_plane(&lens, &view.points(&points), &view.corners);
     let poses = views.iter().map(pose).collect::<Result<Vec<Pose>, _>>()?;
     let miss =
@@ -170,10 +178,10 @@ fn known(camera: &CalibrationFilm, board: &Target, seen: &Seen, context: &dyn St
 }
 
 /// Searches one frame of every few for the board; frames in which it lies on the plane are also collected separately.
-fn look(camera: &CalibrationFilm, board: &Target, context: &dyn StageContext) -> Result<Seen> {
+fn detect_board(camera: &CalibrationFilm, board: &Target, context: &dyn StageContext) -> Result<BoardViews> {
     let (film, every) = Film::open_board(&context.path("calibration")?, camera.frame_every)?;
     let info = film.info();
-    let mut seen = Seen { views: Vec::new(), on_plane: Vec::new(), size: (info.width, info.height) };
+    let mut board_views = BoardViews { views: Vec::new(), on_plane: Vec::new(), size: (info.width, info.height) };
     let mut last_refusal: Option<Diagnostic> = None;
     for frame in film {
         let frame = frame?;
@@ -185,19 +193,19 @@ fn look(camera: &CalibrationFilm, board: &Target, context: &dyn StageContext) ->
             Ok(view) => {
                 let [from, to] = camera.plane.seconds;
                 if (from..=to).contains(&frame.time) {
-                    seen.on_plane.push(view.clone());
+                    board_views.on_plane.push(view.clone());
                 }
-                seen.views.push(view);
+                board_views.views.push(view);
             }
             Err(refusal) => {
                 last_refusal = Some(Diagnostic::from(refusal).while_doing(format!("at {:.2} s", frame.time)))
             }
         }
     }
-    match (seen.views.is_empty(), seen.on_plane.is_empty()) {
+    match (board_views.views.is_empty(), board_views.on_plane.is_empty()) {
         (true, _) => Err(no_board(last_refusal, context)),
         (_, true) => Err(not_on_plane(context, camera)),
-        _ => Ok(seen),
+        _ => Ok(board_views),
     }
 }
 
@@ -227,9 +235,11 @@ fn not_believed(context: &dyn StageContext, measured: f64, limit: f64) -> Diagno
 }
 
 fn no_board(last_refusal: Option<Diagnostic>, context: &dyn StageContext) -> Diagnostic {
-    let what = format!("{} shows no board", context.display_path("calibration"));
+    let no_view = format!("{} shows no board", context.display_path("calibration"));
     match last_refusal {
-        Some(refusal) => refusal.while_doing(what),
-        None => Diagnostic::new(what, "none of its frames was searched", "lower frame_every of [camera] on the card"),
+        Some(refusal) => refusal.while_doing(no_view),
+        None => {
+            Diagnostic::new(no_view, "none of its frames was searched", "lower frame_every of [camera] on the card")
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The identified silicone a part of a standard deviation off, along each independent direction of what identification left open.
+//! The identified silicone perturbed by a fraction of one standard deviation along each principal axis of its uncertainty.
 //!
 //! Whatever is predicted with the silicone is simulated with each of these as well: the squares of the changes over [`PART`] add to the
 //! variance.
@@ -12,35 +12,37 @@ use sysid::{Model, Viscoelastic};
 /// beyond where that holds.
 pub(super) const PART: f64 = 0.1;
 
-/// What identification left open of a silicone.
-pub(super) struct Open<'a> {
+/// An identified silicone with the uncertainty of its parameters.
+pub(super) struct UncertainSilicone<'a> {
     pub model: &'a Model,
     pub identified: &'a Identified,
     pub relaxation: &'a Relaxation,
 }
 
-impl Open<'_> {
-    /// The silicone off along each principal axis of the moduli's covariance, and of that of the branches' strengths.
+impl UncertainSilicone<'_> {
+    /// The silicone perturbed along each principal axis of the moduli's covariance, and of that of the branches' strengths.
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when a branch is one that no solid can have.
-    pub fn silicones(&self) -> Result<Vec<Viscoelastic>> {
+    pub(crate) fn perturbed_silicones(&self) -> Result<Vec<Viscoelastic>> {
         let moduli = &self.identified.uncertainty;
         let axes = principal_deviations(moduli.sigma.len(), &|i, j| moduli.on_the_same_mesh(i, j));
-        axes.iter().map(|shift| self.moduli(shift)).chain(self.strengths()).collect()
+        axes.iter().map(|shift| self.silicone_with_moduli(shift)).chain(self.silicones_with_strengths()).collect()
     }
 
-    /// The moduli off by a shift of their logarithms, with the relaxation that would have been identified with them.
-    fn moduli(&self, shift: &[f64]) -> Result<Viscoelastic> {
-        let mut other = self.identified.clone();
-        other.best.iter_mut().zip(shift).for_each(|(modulus, by)| *modulus *= (PART * by).exp());
-        let spectrum = self.relaxation.spectrum.following(&shift.iter().map(|by| PART * by).collect::<Vec<_>>());
-        Relaxation { spectrum, ..self.relaxation.clone() }.silicone(self.model, &other)
+    /// The moduli perturbed by a shift of their logarithms, with the relaxation that would have been identified with them.
+    fn silicone_with_moduli(&self, shift: &[f64]) -> Result<Viscoelastic> {
+        let mut perturbed = self.identified.clone();
+        perturbed.best.iter_mut().zip(shift).for_each(|(modulus, change)| *modulus *= (PART * change).exp());
+        let spectrum =
+            self.relaxation.spectrum.following(&shift.iter().map(|change| PART * change).collect::<Vec<_>>());
+        Relaxation { spectrum, ..self.relaxation.clone() }.silicone(self.model, &perturbed)
     }
 
     /// Along each principal axis of the covariance of the strengths.
-    fn strengths(&self) -> impl Iterator<Item = Result<Viscoelastic>> + '_ {
-        let with = |spectrum| Relaxation { spectrum, ..self.relaxation.clone() }.silicone(self.model, self.identified);
-        self.relaxation.spectrum.deviations(PART).map(with)
+    fn silicones_with_strengths(&self) -> impl Iterator<Item = Result<Viscoelastic>> + '_ {
+        let silicone_with =
+            |spectrum| Relaxation { spectrum, ..self.relaxation.clone() }.silicone(self.model, self.identified);
+        self.relaxation.spectrum.deviations(PART).map(silicone_with)
     }
 }

@@ -16,7 +16,7 @@ const FINER: f64 = 1.5;
 
 /// The model on a mesh with edges of `[identify] fine_edge`, or of finer hexahedra; or why there is none.
 // A study needs no such mesh to go on: its absence is a sentence beside the moduli, not an end.
-pub(super) fn finer(
+pub(super) fn finer_model(
     card: &Card,
     set: &Settings,
     (mesh, films): (&Mesh, &Films),
@@ -30,15 +30,16 @@ pub(super) fn finer(
         QuadraticElements::Hexahedra(_) => ElementChoice::Hexahedra(Grading::COARSE.finer(FINER)),
         QuadraticElements::Tetrahedra(_) => ElementChoice::Tetrahedra,
     };
-    let by = mesh::Mesher { settings, elements };
-    let made = mesh::made(&card.mesh, &by, mesh::MARKER_LIMIT, context).map_err(|d| on_edges(set, &d.what))?;
-    let [here, there] = [&mesh.solid, &made.solid].map(|solid| solid.elements.len());
-    if there <= here {
+    let mesher = mesh::Mesher { settings, elements };
+    let fine_mesh =
+        mesh::specimen_mesh(&card.mesh, &mesher, mesh::MARKER_LIMIT, context).map_err(|d| on_edges(set, &d.what))?;
+    let [coarse_count, fine_count] = [&mesh.solid, &fine_mesh.solid].map(|solid| solid.elements.len());
+    if fine_count <= coarse_count {
         let kind = mesh.solid.elements.name();
-        return Err(on_edges(set, &format!("there are {there} {kind}, not more than {here}")));
+        return Err(on_edges(set, &format!("there are {fine_count} {kind}, not more than {coarse_count}")));
     }
-    let model = made.model(&card.body).map_err(|d| on_edges(set, &d.what))?;
-    Ok(model.with_markers_at(&made.solid, &card.body, &mean_rest(&films.0)))
+    let model = fine_mesh.model(&card.body).map_err(|d| on_edges(set, &d.what))?;
+    Ok(model.with_markers_at(&fine_mesh.solid, &card.body, &mean_rest(&films.0)))
 }
 
 fn on_edges(set: &Settings, why: &dyn std::fmt::Display) -> String {
@@ -48,16 +49,16 @@ fn on_edges(set: &Settings, why: &dyn std::fmt::Display) -> String {
 impl Fitting<'_> {
     /// The error of the mesh at the identified parameters; or why that is not known. `found` are the markers'
     /// displacements at the identified parameters (levels × markers, m), with the whitened residuals there.
-    pub(super) fn discretisation(
+    pub(super) fn discretisation_error(
         &self,
         finer: Result<Model, String>,
         elastic: &Elastic,
-        found: &[Vec<Point2>],
+        displacements: &[Vec<Point2>],
         residuals: (&Residuals, usize),
     ) -> Result<MeshError, String> {
         let (levels, settings) = (self.loss.misfit.levels.clone(), statics(self.set.static_tolerance));
         let mut solver = LevelSolver::new(finer?, levels, settings, self.set.parallel_solves);
-        let error = mesh_error(&mut solver, elastic, found);
+        let error = mesh_error(&mut solver, elastic, displacements);
         error
             .and_then(|error| MeshError::new(&self.loss.misfit, residuals, &error))
             .map_err(|d| on_edges(self.set, &d.what))

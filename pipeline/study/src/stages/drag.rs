@@ -5,16 +5,16 @@
 //! added mass and a normal drag; [`thrust::release`] identifies the ratio of the one and the coefficient of the other. No flapping
 //! film is read.
 
-use fem::Scheme;
+use fem::{DynamicSettings, Scheme};
 use hydro::Coefficients;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Metre, Pascal, Second};
 
-use super::deviations::{Open, PART};
+use super::deviations::{PART, UncertainSilicone};
 use super::simulation;
 use ::thrust::outline::Outline;
-use ::thrust::release::{ReleaseSettings, rms};
+use ::thrust::release::{Release, ReleaseSettings, rms};
 use ::thrust::underwater::UnderwaterModel;
 use diagnostics::{Diagnostic, Result};
 use records::selections::{OfTrials, UnderwaterStaircases};
@@ -71,50 +71,64 @@ impl Stage for Drag {
         let outline = Outline::new(card, &mesh.solid);
         let (tail, spots) = outline.whole(set.density, set.sections)?;
         let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &motion.rest).with_spots(spots);
-        let simulation = MotionSimulation {
-            silicone: relaxation.silicone(&model, &identified)?,
-            model: &model,
-            marker: card.tip_marker(),
-        };
-        let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-        let hold = hold(motion, known, set.duration)?;
-        let (gauges, steps) = (simulation::gauges(motion)?, set.steps(&hold));
+        let silicone = relaxation.silicone(&model, &identified)?;
+        let simulation = MotionSimulation { silicone, model: &model, marker: card.tip_marker() };
+        let highest_identified = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
+        let hold = highest_hold(motion, highest_identified, set.duration)?;
+        let (gauges, steps) = (simulation::gauge_samples(motion)?, set.time_steps(&hold));
         let actuation = Actuation { begin: hold.begin, end: hold.end, steps: Some(&steps), gauges: &gauges };
         let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
-        let settings = dynamic_settings(Scheme::Bdf2, set.step);
         let underwater = UnderwaterModel::new(&reduced_body, &tail, &simulation, card.markers.len());
-        let film = film(motion, simulation.marker, &hold);
-        if film.is_still() {
-            return Err(no_motion(hold.released));
-        }
+        let film = released_window(motion, simulation.marker, &hold)?;
+        let settings = dynamic_settings(Scheme::Bdf2, set.step);
+        let comparison = ReleaseComparison { set, film: &film, actuation, settings };
         let mut simulations = 0;
-        let exposure = set.exposure * frame_interval(&film.times);
-        let off = |model: &UnderwaterModel, by| {
-            let (simulated, seen) = film.compared(&model.path(&settings, by, &actuation)?, exposure);
-            Ok(simulated.iter().zip(seen).map(|(s, m)| (s - m) / set.sigma).collect())
-        };
-        let mut evaluated = |at: &[Coefficients]| -> Result<Vec<Vec<f64>>> {
-            simulations += at.len();
+        let mut evaluated = |points: &[Coefficients]| -> Result<Vec<Vec<f64>>> {
+            simulations += points.len();
             context.progress(0.2 + 0.8 * (simulations as f64 / (3 * set.iterations) as f64).min(1.0), "releasing");
-            at.par_iter().map(|by| off(&underwater, *by)).collect()
+            points.par_iter().map(|coefficients| comparison.residuals(&underwater, *coefficients)).collect()
         };
-        let found = set.release().identify(&mut evaluated)?;
-        let others = Open { model: &model, identified: &identified, relaxation: &relaxation }.silicones()?;
-        let other = |silicone: &Viscoelastic| -> Result<Vec<f64>> {
-            let there = off(&underwater.with(&reduced_body.with(&model, silicone)), found.by)?;
-            Ok(there.iter().zip(found.residuals()).map(|(there, here)| here + (there - here) / PART).collect())
+        let release = set.release_settings().identify(&mut evaluated)?;
+        let uncertain = UncertainSilicone { model: &model, identified: &identified, relaxation: &relaxation };
+        let perturbed = |silicone: &Viscoelastic| {
+            comparison.extrapolated_residuals(&underwater.with(&reduced_body.with(&model, silicone)), &release)
         };
-        let others = others.par_iter().map(other).collect::<Result<Vec<_>>>()?;
+        let perturbed = uncertain.perturbed_silicones()?.par_iter().map(perturbed).collect::<Result<Vec<_>>>()?;
         Ok(records::Drag {
-            by: found.by,
-            sigma: found.sigma(&others)?,
+            by: release.by,
+            sigma: release.sigma(&perturbed)?,
             released: hold.pressure,
-            rmse: set.sigma * rms(found.residuals()),
+            rmse: set.sigma * rms(release.residuals()),
             moved: rms(&film.about_mean().concat()),
-            simulations: simulations + others.len(),
+            simulations: simulations + perturbed.len(),
             density: set.density,
             sections: set.sections,
         })
+    }
+}
+
+/// A simulated release against the filmed one.
+struct ReleaseComparison<'a> {
+    set: &'a Settings,
+    film: &'a Window,
+    actuation: Actuation<'a>,
+    settings: DynamicSettings,
+}
+
+impl ReleaseComparison<'_> {
+    /// Simulated less filmed positions over their standard deviation, no unit.
+    fn residuals(&self, model: &UnderwaterModel, coefficients: Coefficients) -> Result<Vec<f64>> {
+        let path = model.path(&self.settings, coefficients, &self.actuation)?;
+        let exposure = self.set.exposure * frame_interval(&self.film.times);
+        let (simulated, filmed) = self.film.compared(&path, exposure);
+        Ok(simulated.iter().zip(filmed).map(|(s, m)| (s - m) / self.set.sigma).collect())
+    }
+
+    /// The residuals of a silicone one standard deviation off, by those of a model a [`PART`] of one off, at the identified
+    /// coefficients.
+    fn extrapolated_residuals(&self, model: &UnderwaterModel, release: &Release) -> Result<Vec<f64>> {
+        let perturbed = self.residuals(model, release.by)?;
+        Ok(perturbed.iter().zip(release.residuals()).map(|(other, best)| best + (other - best) / PART).collect())
     }
 }
 
@@ -131,24 +145,28 @@ struct Hold {
 impl Settings {
     /// Ends of the time steps of a hold and its release, s after its begin. The silicone creeps during the hold and recovers after it: a
     /// tail that is released as if it had just been filled returns too far, and the drag would have to make up for that.
-    fn steps(&self, hold: &Hold) -> Vec<Second> {
+    fn time_steps(&self, hold: &Hold) -> Vec<Second> {
         let Self { step, vibration, longest_step: longest, duration, .. } = *self;
-        let [held, end] = [hold.released, hold.end].map(|t| t - hold.begin);
-        TimeSteps { step, vibration: vibration.max(duration), longest }.ends(&[0.0, held], end)
+        let [release, end] = [hold.released, hold.end].map(|t| t - hold.begin);
+        TimeSteps { step, vibration: vibration.max(duration), longest }.ends(&[0.0, release], end)
     }
 
-    fn release(&self) -> ReleaseSettings {
+    fn release_settings(&self) -> ReleaseSettings {
         let Self { added_mass_ratio, normal_drag_coefficient, iterations, step_tolerance, .. } = *self;
         ReleaseSettings { added_mass_ratio, normal_drag_coefficient, iterations, step_tolerance }
     }
 }
 
 /// The frames of a marker after the release.
-fn film(motion: &Motion, marker: usize, hold: &Hold) -> Window {
+///
+/// # Errors
+/// A [`Diagnostic`] when the marker does not move in them.
+fn released_window(motion: &Motion, marker: usize, hold: &Hold) -> Result<Window> {
     let frames = motion.time.iter().zip(&motion.markers[marker].at);
     let inside = frames.filter(|(t, _)| (hold.released..hold.end).contains(*t));
     let (times, seen) = inside.map(|(t, at)| (*t, *at)).unzip();
-    Window { begin: hold.released, times, seen, command: 0.0 }
+    let window = Window { begin: hold.released, times, seen, command: 0.0 };
+    if window.is_still() { Err(no_motion(hold.released)) } else { Ok(window) }
 }
 
 fn no_staircase() -> Diagnostic {
@@ -164,20 +182,21 @@ fn no_motion(released: Second) -> Diagnostic {
 }
 
 /// The highest hold that is not above `known` (Pa), compared for `duration` after its release.
-fn hold(motion: &Motion, known: Pascal, duration: Second) -> Result<Hold> {
-    let asked = |i: usize| motion.gauges.iter().map(|g| g.command[i]).fold(0.0, f64::max);
-    let changes: Vec<usize> = (1..motion.log_time.len()).filter(|&i| asked(i) != asked(i - 1)).collect();
+fn highest_hold(motion: &Motion, highest_identified: Pascal, duration: Second) -> Result<Hold> {
+    let command = |i: usize| motion.gauges.iter().map(|g| g.command[i]).fold(0.0, f64::max);
+    let changes: Vec<usize> = (1..motion.log_time.len()).filter(|&i| command(i) != command(i - 1)).collect();
     let time = |change: &usize| motion.log_time[*change];
     let hold = |k: usize| {
         let (begin, released) = (time(&changes[k - 1]), time(&changes[k]));
         let end = changes.get(k + 1).map_or(f64::INFINITY, time).min(released + duration);
-        Hold { begin, released, end, pressure: asked(changes[k - 1]) }
+        Hold { begin, released, end, pressure: command(changes[k - 1]) }
     };
-    let released = (1..changes.len()).filter(|&k| asked(changes[k]) == 0.0).map(hold);
-    let within = released.filter(|hold| hold.pressure <= NEAR * known);
-    within.max_by(|a, b| a.pressure.total_cmp(&b.pressure)).ok_or_else(|| {
-        let why = format!("moduli were identified up to {:.0} Pa, and no hold within is released", known);
-        Diagnostic::new("drag cannot be identified from the staircase in water", why, "film a lower level in water")
+    let released = (1..changes.len()).filter(|&k| command(changes[k]) == 0.0).map(hold);
+    let below_limit = released.filter(|hold| hold.pressure <= NEAR * highest_identified);
+    below_limit.max_by(|a, b| a.pressure.total_cmp(&b.pressure)).ok_or_else(|| {
+        let limit =
+            format!("moduli were identified up to {:.0} Pa, and no hold within is released", highest_identified);
+        Diagnostic::new("drag cannot be identified from the staircase in water", limit, "film a lower level in water")
     })
 }
 
@@ -193,9 +212,9 @@ mod tests {
         let time: Vec<f64> = (0..700).map(|i| 0.01 * f64::from(i)).collect();
         let command = time.iter().map(|&t| [0.0, 1e4, 0.0, 2e4, 0.0, 3e4, 0.0][(t + 1e-9) as usize]).collect();
         let motion = Motion::of_one_marker(time, command, vec![[0.0, 0.0]; 700]);
-        let found = hold(&motion, 1.9e4, 0.6).unwrap();
+        let found = highest_hold(&motion, 1.9e4, 0.6).unwrap();
         assert_eq!((found.begin, found.released, found.end, found.pressure), (3.0, 4.0, 4.6, 2e4));
-        assert_eq!(hold(&motion, 1.9e4, 1.5).unwrap().end, 5.0, "the next level is filled");
-        assert!(hold(&motion, 5e3, 0.6).is_err());
+        assert_eq!(highest_hold(&motion, 1.9e4, 1.5).unwrap().end, 5.0, "the next level is filled");
+        assert!(highest_hold(&motion, 5e3, 0.6).is_err());
     }
 }

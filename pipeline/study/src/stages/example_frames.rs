@@ -10,7 +10,7 @@ use track::pose::Pose;
 use track::silhouette::Outline;
 use track::video::Film;
 
-use super::plateaus::holds;
+use super::plateaus::command_holds;
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::Walls;
 use records::subject::Trial;
@@ -77,62 +77,63 @@ impl Stage for Example {
         context: &dyn StageContext,
     ) -> Result<records::ExampleFrames> {
         let (camera, tracks, markers, motion) = needs;
-        let holds: Vec<Held> = holds(&motion).into_iter().filter_map(|hold| held(&motion, hold)).collect();
-        let shown = nearest(&holds, set.pressure).ok_or_else(no_hold)?;
+        let holds = settled_frames(&motion);
+        let shown = nearest_hold(&holds, set.pressure).ok_or_else(no_hold)?;
         let frames: Vec<usize> = std::iter::once(0).chain(holds.iter().map(|hold| hold.frame)).collect();
-        let numbers: Vec<usize> = frames.iter().map(|frame| card.first_frame + frame).collect();
-        let film = Film::open(&context.path("video")?)?;
-        let pictures = film.pictures(&numbers, |part| context.progress(part, "decoding the film"))?;
-        let mut pictures = pictures.ok_or_else(|| too_short(&numbers, context))?;
-        let there = markers.stand.map(|s| Pose { rotation: s.rotation, translation: s.translation_m });
-        let there = Camera { pose: there.unwrap_or(camera.pose), ..camera };
-        let seen = silhouettes((card, set), (&there, &motion), frames.iter().copied().zip(&pictures));
+        let mut pictures = decoded_pictures(card, &frames, context)?;
+        let film_pose = markers.stand.map(|s| Pose { rotation: s.rotation, translation: s.translation_m });
+        let posed_camera = Camera { pose: film_pose.unwrap_or(camera.pose), ..camera };
+        let filmed = frames.iter().copied().zip(&pictures);
+        let silhouettes = wall_silhouettes((card, set), (&posed_camera, &motion), filmed);
         let pressures = holds.iter().map(|hold| hold.measured.iter().copied().fold(0.0, f64::max));
-        let walls = pressures.zip(seen).filter_map(|(p, walls)| Some((p, walls?))).collect();
-        let (frame, held) = (holds[shown].frame, &holds[shown]);
-        let at = |frame: usize| -> Vec<Point2> { tracks.markers.iter().map(|m: &Path| m.at[frame]).collect() };
-        let rest_px = at(0);
-        let window_px = window(card, &camera, &set.window);
-        let level = |hold: &Held| HeldLevel { pressures_pa: hold.measured.clone(), markers_px: at(hold.frame) };
-        let seen = FrameData {
-            time_s: motion.time[frame],
-            command_pa: held.command,
-            pressures_pa: held.measured.clone(),
-            px_per_m: scale(card, &rest_px).ok_or_else(no_scale)?,
+        let walls = pressures.zip(silhouettes).filter_map(|(p, walls)| Some((p, walls?))).collect();
+        let shown_hold = &holds[shown];
+        let markers_px = |frame: usize| -> Vec<Point2> { tracks.markers.iter().map(|m: &Path| m.at[frame]).collect() };
+        let window_px = picture_window(card, &camera, &set.window);
+        let level = |hold: &Held| HeldLevel { pressures_pa: hold.measured.clone(), markers_px: markers_px(hold.frame) };
+        let frame_data = FrameData {
+            time_s: motion.time[shown_hold.frame],
+            command_pa: shown_hold.command,
+            pressures_pa: shown_hold.measured.clone(),
+            px_per_m: picture_scale(card, &markers_px(0)).ok_or_else(no_scale)?,
             window_px,
-            held_px: at(frame),
-            rest_px,
-            eye_m: there.pose.centre(),
-            camera_pose: (there.pose.rotation, there.pose.translation),
+            held_px: markers_px(shown_hold.frame),
+            rest_px: markers_px(0),
+            eye_m: posed_camera.pose.centre(),
+            camera_pose: (posed_camera.pose.rotation, posed_camera.pose.translation),
             levels: holds.iter().map(level).collect(),
             walls,
         };
         let [left, top, right, bottom] = window_px;
         let crop = |picture: &Gray| picture.crop(left, top, right - left, bottom - top);
         let levels = pictures[1..].iter().map(crop).collect();
-        Ok(records::ExampleFrames {
-            held: pictures.swap_remove(shown + 1),
-            rest: pictures.swap_remove(0),
-            levels,
-            seen,
-        })
+        let (held, rest) = (pictures.swap_remove(shown + 1), pictures.swap_remove(0));
+        Ok(records::ExampleFrames { held, rest, levels, seen: frame_data })
     }
 }
 
+/// The pictures of frames of the trial, from its first frame on.
+fn decoded_pictures(card: &Card, frames: &[usize], context: &dyn StageContext) -> Result<Vec<Gray>> {
+    let numbers: Vec<usize> = frames.iter().map(|frame| card.first_frame + frame).collect();
+    let film = Film::open(&context.path("video")?)?;
+    let pictures = film.pictures(&numbers, |part| context.progress(part, "decoding the film"))?;
+    pictures.ok_or_else(|| too_short(&numbers, context))
+}
+
 /// Dent and bulge in each frame after the first, that at rest; none where the card or the picture shows no outline.
-fn silhouettes<'a>(
+fn wall_silhouettes<'a>(
     (card, set): (&Card, &Settings),
     (camera, motion): (&Camera, &Motion),
     frames: impl Iterator<Item = (usize, &'a Gray)>,
 ) -> Vec<Option<Walls>> {
     let Some(stations) = card.clamp.and_then(|clamp| Stations::new(clamp, &card.markers)) else { return Vec::new() };
-    let seen = frames.map(|(frame, picture)| {
+    let frame_silhouettes = frames.map(|(frame, picture)| {
         let outline = Outline { picture, lens: &camera.lens, pose: &camera.pose, grey: set.outline };
-        let moved: Vec<Point2> = motion.markers.iter().map(|m| m.at[frame]).collect();
-        (stations.silhouette(&moved, |normal, reach| outline.edge(normal, reach)), moved)
+        let displacements: Vec<Point2> = motion.markers.iter().map(|m| m.at[frame]).collect();
+        (stations.silhouette(&displacements, |normal, reach| outline.edge(normal, reach)), displacements)
     });
-    let seen: Vec<_> = seen.collect();
-    seen.iter().skip(1).map(|now| stations.walls(now, &seen[0].0)).collect()
+    let frame_silhouettes: Vec<_> = frame_silhouettes.collect();
+    frame_silhouettes.iter().skip(1).map(|inflated| stations.walls(inflated, &frame_silhouettes[0].0)).collect()
 }
 
 /// A frame in which a pressure has been held for a while.
@@ -142,8 +143,13 @@ struct Held {
     measured: Vec<Pascal>,
 }
 
+/// Near the end of every hold that the film shows.
+fn settled_frames(motion: &Motion) -> Vec<Held> {
+    command_holds(motion).into_iter().filter_map(|hold| settled_frame(motion, hold)).collect()
+}
+
 /// Near the end of a hold; none where the film ends before.
-fn held(motion: &Motion, hold: Range<usize>) -> Option<Held> {
+fn settled_frame(motion: &Motion, hold: Range<usize>) -> Option<Held> {
     let settled = hold.start + (SETTLED * (hold.len() - 1) as f64) as usize..hold.end;
     let frame = motion.time.partition_point(|&t| t < motion.log_time[settled.start]);
     let mean = |values: &[Pascal]| values[settled.clone()].iter().sum::<f64>() / settled.len() as f64;
@@ -153,26 +159,26 @@ fn held(motion: &Motion, hold: Range<usize>) -> Option<Held> {
 }
 
 /// The last of the holds whose command is nearest to a pressure.
-fn nearest(holds: &[Held], pressure: Pascal) -> Option<usize> {
-    let off = |i: &usize| (holds[*i].command - pressure).abs();
-    (0..holds.len()).rev().min_by(|a, b| off(a).total_cmp(&off(b)))
+fn nearest_hold(holds: &[Held], pressure: Pascal) -> Option<usize> {
+    let difference = |i: &usize| (holds[*i].command - pressure).abs();
+    (0..holds.len()).rev().min_by(|a, b| difference(a).total_cmp(&difference(b)))
 }
 
 /// Pixels per metre: distances of the markers in the picture over those on the card.
-fn scale(of: &Card, seen: &[Point2]) -> Option<f64> {
+fn picture_scale(card: &Card, markers_px: &[Point2]) -> Option<f64> {
     let flat = |p: si::Point3| [p[0], p[1]];
-    let apart = |a: Point2, b: Point2| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let card: Vec<Point2> = of.markers.iter().map(|&at| flat(at)).collect();
-    let length = |points: &[Point2]| points.windows(2).map(|w| apart(w[0], w[1])).sum::<f64>();
-    let metres = length(&card);
-    (metres > 0.0 && seen.len() == card.len()).then(|| length(seen) / metres)
+    let distance = |a: Point2, b: Point2| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let on_card: Vec<Point2> = card.markers.iter().map(|&at| flat(at)).collect();
+    let length = |points: &[Point2]| points.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>();
+    let metres = length(&on_card);
+    (metres > 0.0 && markers_px.len() == on_card.len()).then(|| length(markers_px) / metres)
 }
 
 /// The region of the picture in which the specimen moves, refraction neglected: left, top, right, bottom, px.
-fn window(card: &Card, camera: &Camera, [from, to, aside]: &[f64; 3]) -> [usize; 4] {
+fn picture_window(card: &Card, camera: &Camera, [from, to, aside]: &[f64; 3]) -> [usize; 4] {
     let corners = [[*from, -aside], [*from, *aside], [*to, -aside], [*to, *aside]];
-    let place = |[x, y]: [f64; 2]| [card.length * x, card.length * y, 0.0];
-    camera.lens.window(corners.map(|c| camera.pose.apply(place(c))), camera.size_px)
+    let on_plane = |[x, y]: [f64; 2]| [card.length * x, card.length * y, 0.0];
+    camera.lens.window(corners.map(|c| camera.pose.apply(on_plane(c))), camera.size_px)
 }
 
 fn no_hold() -> Diagnostic {
@@ -184,15 +190,15 @@ fn no_hold() -> Diagnostic {
 }
 
 fn no_scale() -> Diagnostic {
-    let what = "the scale of the pictures is not known";
-    Diagnostic::new(what, "it takes two markers that lie apart", "add a second [[marker]] to the card")
+    let unknown = "the scale of the pictures is not known";
+    Diagnostic::new(unknown, "it takes two markers that lie apart", "add a second [[marker]] to the card")
 }
 
 fn too_short(frames: &[usize], context: &dyn StageContext) -> Diagnostic {
     let last = frames.iter().copied().max().unwrap_or(0);
-    let what = format!("{} has no frame {last}", context.display_path("video"));
+    let missing_frame = format!("{} has no frame {last}", context.display_path("video"));
     Diagnostic::new(
-        what,
+        missing_frame,
         "the film ends before the pressure is held",
         "cut last_frame on the card to the film's length",
     )
@@ -218,14 +224,10 @@ mod tests {
         }
     }
 
-    fn held_in(motion: &Motion) -> Vec<Held> {
-        holds(motion).into_iter().filter_map(|hold| held(motion, hold)).collect()
-    }
-
     #[test]
     fn the_level_nearest_to_a_pressure_is_taken_when_it_has_settled() {
-        let found = held_in(&staircase(200));
-        let held = &found[nearest(&found, 11.9e3).unwrap()];
+        let found = settled_frames(&staircase(200));
+        let held = &found[nearest_hold(&found, 11.9e3).unwrap()];
         // sample 189, at 0.945 s
         assert_eq!((held.command, held.frame), (1e4, 95));
         // the mean of equal samples: round-off alone
@@ -234,9 +236,9 @@ mod tests {
 
     #[test]
     fn a_level_that_the_film_does_not_show_is_left_out_and_a_log_without_a_command_holds_nothing() {
-        assert_eq!(held_in(&staircase(150)).len(), 1);
+        assert_eq!(settled_frames(&staircase(150)).len(), 1);
         let mut silent = staircase(200);
         silent.gauges[0].command.fill(0.0);
-        assert_eq!(nearest(&held_in(&silent), 1e4), None);
+        assert_eq!(nearest_hold(&settled_frames(&silent), 1e4), None);
     }
 }

@@ -36,38 +36,47 @@ impl Stage for Findings {
 
     fn run((): &(), _: &Settings, needs: Self::Needs, _: &dyn StageContext) -> Result<Record> {
         let ((Every(identified), Every(compared), recovered), Every(validated), Every(thrusts), Every(cells)) = needs;
-        let mut found = Vec::new();
-        for (specimen, one) in &identified {
-            let (what, value, unit) = of_identified(one);
-            found.push(finding(&specimen.0, what, value, unit));
+        let mut findings = Vec::new();
+        for (specimen, model) in &identified {
+            let (metric, value, unit) = of_identified(model);
+            findings.push(named_finding(&specimen.0, metric, value, unit));
         }
-        for (specimen, one) in &compared {
-            found.extend(of_compared(one).into_iter().map(|(what, v, unit)| finding(&specimen.0, what, v, unit)));
+        for (specimen, comparison) in &compared {
+            findings.extend(
+                of_compared(comparison)
+                    .into_iter()
+                    .map(|(metric, v, unit)| named_finding(&specimen.0, metric, v, unit)),
+            );
         }
         for (specimen, walls) in recovered.specimens.iter().filter_map(|s| Some((&s.name, s.walls?))) {
             let error = walls.critical_pressure_pa.abs() / si::MILLIBAR;
-            found.push(finding(specimen, "critical_pressure_error_mbar", error, "mbar"));
+            findings.push(named_finding(specimen, "critical_pressure_error_mbar", error, "mbar"));
         }
-        for (trial, one) in &validated {
-            found.extend(undamped(one).map(|v| finding(&trial.0, "undamped_rmse_increase_percent", v, "%")));
+        for (trial, validation) in &validated {
+            findings.extend(
+                undamped_increase(validation)
+                    .map(|v| named_finding(&trial.0, "undamped_rmse_increase_percent", v, "%")),
+            );
         }
-        for (specimen, one) in &thrusts {
-            found.extend(of_thrust(one).into_iter().map(|(what, v, unit)| finding(&specimen.0, what, v, unit)));
+        for (specimen, thrust) in &thrusts {
+            findings.extend(
+                of_thrust(thrust).into_iter().map(|(metric, v, unit)| named_finding(&specimen.0, metric, v, unit)),
+            );
         }
-        for (specimen, one) in &cells {
-            let lowest = one.example.measured.iter().copied().fold(0.0, f64::min);
-            found.push(finding(&specimen.0, "measured_minimum_over_noise", lowest / one.noise, ""));
+        for (specimen, cell) in &cells {
+            let lowest = cell.example.measured.iter().copied().fold(0.0, f64::min);
+            findings.push(named_finding(&specimen.0, "measured_minimum_over_noise", lowest / cell.noise, ""));
         }
-        Ok(Record { found })
+        Ok(Record { found: findings })
     }
 }
 
-fn finding(of: &str, what: &str, value: f64, unit: &str) -> Finding {
-    Finding { name: format!("{of}.{what}"), value, unit: unit.into() }
+fn named_finding(subject: &str, metric: &str, value: f64, unit: &str) -> Finding {
+    Finding { name: format!("{subject}.{metric}"), value, unit: unit.into() }
 }
 
-fn of_identified(found: &Identified) -> (&'static str, f64, &'static str) {
-    let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
+fn of_identified(identified: &Identified) -> (&'static str, f64, &'static str) {
+    let levels = identified.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
     ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), "")
 }
@@ -82,18 +91,18 @@ fn of_compared(compared: &MethodComparison) -> Vec<(&'static str, f64, &'static 
 }
 
 /// By how much the error grows when the relaxation, and with it all damping, is left out, % of the length.
-fn undamped(validation: &Validation) -> Option<f64> {
-    let way = validation.scored.iter().find(|way| way.name == "elastic")?;
-    Some(100.0 * (way.rmse - validation.rmse) / validation.length)
+fn undamped_increase(validation: &Validation) -> Option<f64> {
+    let elastic = validation.scored.iter().find(|model| model.name == "elastic")?;
+    Some(100.0 * (elastic.rmse - validation.rmse) / validation.length)
 }
 
 /// Means are over the runs held out by the card; the share of negative force is that of the plotted run.
 fn of_thrust(thrust: &Thrust) -> Vec<(&'static str, f64, &'static str)> {
-    let sum = |of: fn(&records::Means) -> f64| thrust.means.iter().map(of).sum::<f64>();
-    let mut found = vec![("theory_over_measured", sum(|m| m.theory_n) / sum(|m| m.measured_n), "")];
+    let sum = |mean_force: fn(&records::Means) -> f64| thrust.means.iter().map(mean_force).sum::<f64>();
+    let mut metrics = vec![("theory_over_measured", sum(|m| m.theory_n) / sum(|m| m.measured_n), "")];
     for trace in thrust.traces.iter().filter(|trace| !trace.training) {
-        found.push(("theory_lowest_mn", 1e3 * trace.theory.iter().copied().fold(f64::INFINITY, f64::min), "mN"));
-        found.push(("negative_share_percent", 100.0 * negative_share(&trace.measured), "%"));
+        metrics.push(("theory_lowest_mn", 1e3 * trace.theory.iter().copied().fold(f64::INFINITY, f64::min), "mN"));
+        metrics.push(("negative_share_percent", 100.0 * negative_share(&trace.measured), "%"));
     }
-    found
+    metrics
 }

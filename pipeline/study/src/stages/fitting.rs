@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use si::{Metre, Point2, Second};
 
 use super::mesh;
-use super::plateaus::{held_times, levels};
+use super::plateaus::{held_times, pressure_levels};
 use super::walls::WallGauge;
 use diagnostics::{Diagnostic, Result};
 use records::selections::IdentificationTrials;
@@ -55,7 +55,7 @@ pub struct Settings {
 
 impl Settings {
     /// The discrepancy before it is estimated, of a specimen of this length.
-    fn prior(&self, length: Metre) -> Discrepancy {
+    fn prior_discrepancy(&self, length: Metre) -> Discrepancy {
         Discrepancy {
             scale_sigma: self.prior_scale_sigma,
             film_sigma: self.scale_sigma,
@@ -100,29 +100,35 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// A [`Diagnostic`] when there is no film, a film holds no pressure, or the simulator refuses the mesh.
     pub fn new(card: &'a Card, set: &'a Settings, mesh: &'a Mesh, films: &Films) -> Result<Self> {
-        let (mut all, mut origins, mut counts, mut held) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut levels_of_films, mut origins, mut counts, mut hold_times) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for ((trial, motion), (_, markers)) in films.0.0.iter().zip(&films.1.0) {
-            let levels = levels(motion, markers, set.settled_fraction, set.shortest_hold)
+            let levels = pressure_levels(motion, markers, set.settled_fraction, set.shortest_hold)
                 .map_err(|d| d.while_doing(&trial.0))?;
             origins.extend(levels.iter().map(|_| (trial.0.clone(), motion.rest.clone())));
             counts.push(levels.len());
-            held.extend(held_times(motion, set.settled_fraction, set.shortest_hold));
-            all.extend(levels);
+            hold_times.extend(held_times(motion, set.settled_fraction, set.shortest_hold));
+            levels_of_films.extend(levels);
         }
-        if all.is_empty() {
+        if levels_of_films.is_empty() {
             return Err(no_film(&card.name));
         }
         let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
         let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
-        let misfit = Misfit::new(all, &counts, &noise, card.body.length)?;
+        let misfit = Misfit::new(levels_of_films, &counts, &noise, card.body.length)?;
         let loss = Loss { body: &card.body, model, misfit, gauge: WallGauge::new(mesh).of_levels() };
-        let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
+        let modulus_time = hold_times.iter().sum::<Second>() / hold_times.len().max(1) as f64;
         Ok(Self { set, loss, noise, modulus_time, origins })
     }
 
     /// The discrepancy that the residuals of a search show.
-    pub(super) fn estimated(&self, (residuals, parameters): (&Residuals, usize)) -> Result<Discrepancy> {
-        Discrepancy::estimated(&self.loss.misfit, residuals, parameters, &self.set.prior(self.loss.body.length))
+    pub(super) fn estimated_discrepancy(&self, (residuals, parameters): (&Residuals, usize)) -> Result<Discrepancy> {
+        Discrepancy::estimated(
+            &self.loss.misfit,
+            residuals,
+            parameters,
+            &self.set.prior_discrepancy(self.loss.body.length),
+        )
     }
 
     /// Searches moduli and stiffening by the Gauss-Newton method.

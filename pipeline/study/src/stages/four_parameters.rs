@@ -54,24 +54,25 @@ impl Stage for FourParameters {
         needs: Self::Needs,
         context: &dyn StageContext,
     ) -> Result<records::FourParameters> {
-        let (mesh, found) = needs;
-        let rest = found.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
-        let mut model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &rest);
-        model.nominal = Elastic { youngs_moduli: model.nominal.youngs_moduli.clone(), ..found.elastic(&model) };
-        let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
-        let search = search(card, set, &model)?;
+        let (mesh, identified) = needs;
+        let rest_positions = identified.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
+        let mut model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &rest_positions);
+        model.nominal = Elastic { youngs_moduli: model.nominal.youngs_moduli.clone(), ..identified.elastic(&model) };
+        let levels = Misfit::kept(&identified.levels, &identified.noise, identified.length)?;
+        let search = search_problem(card, set, &model)?;
         let fit = Fit { set, model: &model, levels: &levels };
-        let (best, losses) = fit.certified(&search, context)?;
-        let uncertainty = uncertainty(&best)?;
-        let iterates = losses.iter().map(|(at, loss)| (four(&elastic(&model, at)), *loss)).collect();
-        let four_best = four(&elastic(&model, &best.at));
+        let (best, losses) = fit.certified_search(&search, context)?;
+        let uncertainty = posterior_uncertainty(&best)?;
+        let iterates =
+            losses.iter().map(|(point, loss)| (four_constants(&elastic_constants(&model, point)), *loss)).collect();
+        let four_best = four_constants(&elastic_constants(&model, &best.at));
         let plausible = [card.materials[0].plausible, card.materials[1].plausible, set.body_nu, set.spine_nu];
         Ok(records::FourParameters { best: four_best, loss: best.loss, iterates, plausible, uncertainty })
     }
 }
 
 /// The bounds, with the card's constants as the starting point.
-fn search(card: &Body, set: &Settings, model: &Model) -> Result<Problem> {
+fn search_problem(card: &Body, set: &Settings, model: &Model) -> Result<Problem> {
     let nominal = &model.nominal;
     let moduli = |k: usize| [0, 1].map(|r: usize| (card.materials[r].plausible[k] / nominal.youngs_moduli[r]).ln());
     let ratio = |r: usize, nu: f64| ((0.5 - nu) / (0.5 - nominal.poissons_ratios[r])).ln();
@@ -83,10 +84,10 @@ fn search(card: &Body, set: &Settings, model: &Model) -> Result<Problem> {
     Problem::new(&NAMES, start, bounds).map_err(Diagnostic::from)
 }
 
-fn elastic(model: &Model, at: &[f64]) -> Elastic {
+fn elastic_constants(model: &Model, point: &[f64]) -> Elastic {
     let Elastic { youngs_moduli, poissons_ratios, stiffening } = &model.nominal;
-    let modulus = |r: usize| youngs_moduli[r] * at[r].exp();
-    let ratio = |r: usize| 0.5 - (0.5 - poissons_ratios[r]) * at[2 + r].exp();
+    let modulus = |r: usize| youngs_moduli[r] * point[r].exp();
+    let ratio = |r: usize| 0.5 - (0.5 - poissons_ratios[r]) * point[2 + r].exp();
     Elastic {
         youngs_moduli: vec![modulus(0), modulus(1)],
         poissons_ratios: vec![ratio(0), ratio(1)],
@@ -94,8 +95,8 @@ fn elastic(model: &Model, at: &[f64]) -> Elastic {
     }
 }
 
-fn four(at: &Elastic) -> Four {
-    let (e, nu) = (&at.youngs_moduli, &at.poissons_ratios);
+fn four_constants(elastic: &Elastic) -> Four {
+    let (e, nu) = (&elastic.youngs_moduli, &elastic.poissons_ratios);
     Four { body_e_pa: e[0], spine_e_pa: e[1], body_nu: nu[0], spine_nu: nu[1] }
 }
 
@@ -113,20 +114,20 @@ struct Fit<'a> {
 
 impl Fit<'_> {
     /// Gauss-Newton to convergence; every point of the last search with its loss is returned as well.
-    fn certified(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
+    fn certified_search(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
         let statics = StaticSettings { tolerance: self.set.static_tolerance, ..StaticSettings::default() };
-        let mut whole =
+        let mut whole_body =
             LevelSolver::new(self.model.clone(), self.levels.levels.clone(), statics, self.set.parallel_solves);
-        let start = elastic(self.model, search.start());
-        let by = CertifiedSearch::new(start, Derivatives::AllSensitivities, self.levels);
-        let mut one = |reduced: &mut LevelSolver| {
+        let start = elastic_constants(self.model, search.start());
+        let certification = CertifiedSearch::new(start, Derivatives::AllSensitivities, self.levels);
+        let mut search_reduced = |reduced: &mut LevelSolver| {
             let (best, losses) = self.minimise(search, reduced)?;
-            Ok((elastic(self.model, &best.at), (best, losses)))
+            Ok((elastic_constants(self.model, &best.at), (best, losses)))
         };
         let round = |number: usize| context.progress(0.2 * number as f64, &format!("four parameters, round {number}"));
-        match by.run(&mut whole, &mut one, &round) {
+        match certification.run(&mut whole_body, &mut search_reduced, &round) {
             Ok(certified) => Ok(certified.found),
-            Err(_) => self.minimise(search, &mut whole),
+            Err(_) => self.minimise(search, &mut whole_body),
         }
     }
 
@@ -145,28 +146,28 @@ impl Fit<'_> {
             return Err(Diagnostic::new("there is no gauss_newton", "`optimize` does not list it", "restore it"));
         };
         let mut optimiser = (member.build)(search, &settings)?;
-        let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-            let constants = elastic(model, at);
+        let mut evaluate = |point: &Vec<f64>| -> Result<Evaluation> {
+            let constants = elastic_constants(model, point);
             let Ok(simulated) = solver.solve(&constants, Derivatives::AllSensitivities) else {
-                return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
+                return Ok(Evaluation::of_loss(point.clone(), f64::INFINITY));
             };
             let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
             let loss = levels.loss(&markers);
-            losses.push((at.clone(), loss));
+            losses.push((point.clone(), loss));
             let compressibilities = constants.poissons_ratios.iter().map(|nu| nu - 0.5);
-            let by: Vec<f64> = constants.youngs_moduli.iter().copied().chain(compressibilities).collect();
-            let residuals = levels.residuals(&simulated, &by)?;
-            Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), loss) })
+            let parameters: Vec<f64> = constants.youngs_moduli.iter().copied().chain(compressibilities).collect();
+            let residuals = levels.residuals(&simulated, &parameters)?;
+            Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(point.clone(), loss) })
         };
         let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-            batch.iter().map(|at| evaluate(at).map_err(Interrupted)).collect()
+            batch.iter().map(|point| evaluate(point).map_err(Interrupted)).collect()
         };
         let best = optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?.best;
         Ok((best, losses))
     }
 }
 
-fn uncertainty(best: &Evaluation) -> Result<Uncertainty> {
+fn posterior_uncertainty(best: &Evaluation) -> Result<Uncertainty> {
     let residuals = residuals_of(best)?;
     let posterior = residuals.posterior(4)?;
     Ok(Uncertainty {

@@ -16,20 +16,20 @@ const EXACT: f64 = 1e-9;
 ///
 /// # Errors
 /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the start.
-pub(super) fn gradient_difference(loss: &Loss, search: &Problem, known: &LevelSolver) -> Result<f64> {
-    let mut solver = known.with(loss.misfit.levels.clone(), statics(EXACT));
+pub(super) fn gradient_difference(loss: &Loss, search: &Problem, solved: &LevelSolver) -> Result<f64> {
+    let mut solver = solved.with(loss.misfit.levels.clone(), statics(EXACT));
     let start = [search.start()[0], search.start()[1]];
-    let mut evaluate = |at: [f64; 2], needs: Needs| loss.evaluate(&mut solver, &at, needs, &mut Vec::new());
+    let mut evaluate = |point: [f64; 2], needs: Needs| loss.evaluate(&mut solver, &point, needs, &mut Vec::new());
     let adjoint = evaluate(start, Needs::Gradient)?.gradient.unwrap_or_default();
     let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
     let mut worst = 0.0_f64;
     for k in 0..2 {
-        let mut at = |sign: f64| {
-            let mut at = start;
-            at[k] += sign * DIFFERENCE;
-            evaluate(at, Needs::Loss).map(|e| e.loss)
+        let mut loss_beside = |sign: f64| {
+            let mut point = start;
+            point[k] += sign * DIFFERENCE;
+            evaluate(point, Needs::Loss).map(|e| e.loss)
         };
-        let difference = (at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE);
+        let difference = (loss_beside(1.0)? - loss_beside(-1.0)?) / (2.0 * DIFFERENCE);
         worst = worst.max((difference - adjoint[k]).abs() / size);
     }
     Ok(worst)

@@ -4,7 +4,7 @@
 //! methods do on the same loss is shown by [`super::method_comparison`]. The discrepancy between model and films is estimated from the
 //! residuals of the result, and the error of the mesh on a finer one; both are in the uncertainty.
 
-use super::discretisation::finer;
+use super::discretisation::finer_model;
 use super::fitting::{Card, Films, Fitting, Settings};
 use super::mesh;
 use diagnostics::Result;
@@ -34,7 +34,7 @@ impl Stage for Identify {
         context: &dyn StageContext,
     ) -> Result<Identified> {
         let mut fitting = Fitting::new(card, set, &mesh, &films)?;
-        let found = fitting.minimise(context)?;
-        fitting.assemble(&found, finer(card, set, (&mesh, &films), context), context)
+        let minimum = fitting.minimise(context)?;
+        fitting.assemble_record(&minimum, finer_model(card, set, (&mesh, &films), context), context)
     }
 }

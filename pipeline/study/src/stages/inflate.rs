@@ -71,29 +71,32 @@ impl Stage for Inflate {
     const VERSION: u32 = 11;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
-        let (mesh, found, OfTrials(examples, _)) = needs;
+        let (mesh, identified, OfTrials(examples, _)) = needs;
         let staircase = card.staircase.as_ref().ok_or_else(no_staircase)?;
-        let seen = examples.first().map(|(_, example)| &example.seen);
-        let filmed = seen.map(|seen| top(&seen.pressures_pa));
+        let frame_data = examples.first().map(|(_, example)| &example.seen);
+        let filmed = frame_data.map(|frame_data| highest_pressure(&frame_data.pressures_pa));
         let asked_pa = staircase.highest;
-        let held = seen.map_or(&[][..], |seen| &seen.levels).iter().map(|level| level.pressures_pa.clone());
-        let levels = levels(card, staircase, set.shapes, held);
+        let held_levels =
+            frame_data.map_or(&[][..], |frame_data| &frame_data.levels).iter().map(|level| level.pressures_pa.clone());
+        let levels = pressure_levels(card, staircase, set.shapes, held_levels);
         let model = mesh.model(&card.body)?;
         let mut solver = model.system.solver();
-        found.elastic(&model).apply(&mut solver)?;
+        identified.elastic(&model).apply(&mut solver)?;
         let statics = StaticSettings { tolerance: set.static_tolerance, ..StaticSettings::default() };
-        let rest = vec![0.0; 3 * mesh.solid.nodes.len()];
-        let displacements = solve_levels((&mut solver, &statics), &levels, rest, context)?;
+        let undeformed = vec![0.0; 3 * mesh.solid.nodes.len()];
+        let displacements = solve_levels((&mut solver, &statics), &levels, undeformed, context)?;
         let gauge = WallGauge::new(&mesh);
         let solved = levels.iter().zip(&displacements);
-        let mut shapes: Vec<Shape> = solved.map(|(p, u)| shape((&mesh, &gauge), p, by_node(u))).collect();
-        if let Some(eye) = seen.filter(|seen| !seen.walls.is_empty()).map(|seen| seen.eye_m) {
-            see(&mut shapes, card, &mesh, eye);
+        let mut shapes: Vec<Shape> = solved.map(|(p, u)| inflated_shape((&mesh, &gauge), p, by_node(u))).collect();
+        if let Some(eye) =
+            frame_data.filter(|frame_data| !frame_data.walls.is_empty()).map(|frame_data| frame_data.eye_m)
+        {
+            measure_silhouettes(&mut shapes, card, &mesh, eye);
         }
-        let film = seen.and_then(FrameData::shown_walls);
+        let film = frame_data.and_then(FrameData::shown_walls);
         let is_filmed = |shape: &Shape, wanted: Pascal| (shape.pressure() - wanted).abs() <= SAME_LEVEL * asked_pa;
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|shape| is_filmed(shape, wanted)));
-        let nodes = skin(&mesh);
+        let nodes = skin_nodes(&mesh);
         let keep = |s: Shape| Shape { moved: nodes.iter().map(|&n| s.moved[n as usize]).collect(), ..s };
         Ok(Inflation { shapes: shapes.into_iter().map(keep).collect(), nodes, filmed, asked_pa, film })
     }
@@ -103,7 +106,7 @@ impl Stage for Inflate {
 const SAME_LEVEL: f64 = 2e-3;
 
 /// Pressures of all chambers in rising order: those that the film holds, and even levels where it holds none.
-fn levels(
+fn pressure_levels(
     card: &Card,
     staircase: &Staircase,
     count: usize,
@@ -115,16 +118,19 @@ fn levels(
     let even = (1..=count).map(|i| filled_to(highest * i as f64 / count as f64));
     let mut levels: Vec<Vec<Pascal>> = Vec::new();
     for level in held.chain(even) {
-        if levels.iter().all(|known| (top(known) - top(&level)).abs() > SAME_LEVEL * highest) {
+        if levels
+            .iter()
+            .all(|listed| (highest_pressure(listed) - highest_pressure(&level)).abs() > SAME_LEVEL * highest)
+        {
             levels.push(level);
         }
     }
-    levels.sort_by(|a, b| top(a).total_cmp(&top(b)));
+    levels.sort_by(|a, b| highest_pressure(a).total_cmp(&highest_pressure(b)));
     levels
 }
 
 /// The highest of the pressures of all chambers, Pa.
-fn top(pressures: &[Pascal]) -> Pascal {
+fn highest_pressure(pressures: &[Pascal]) -> Pascal {
     pressures.iter().copied().fold(0.0, f64::max)
 }
 
@@ -132,16 +138,16 @@ fn top(pressures: &[Pascal]) -> Pascal {
 fn solve_levels(
     (solver, statics): (&mut Solver, &StaticSettings),
     levels: &[Vec<Pascal>],
-    rest: Vec<f64>,
+    undeformed: Vec<f64>,
     context: &dyn StageContext,
 ) -> Result<Vec<Vec<f64>>> {
-    let mut solved = vec![(0.0, rest)];
+    let mut solved = vec![(0.0, undeformed)];
     for (i, pressures) in levels.iter().enumerate() {
         context.progress(i as f64 / levels.len() as f64, "inflating");
-        let known: Vec<(Pascal, &[f64])> = solved.iter().map(|(p, u)| (*p, u.as_slice())).collect();
-        let to = pressures.iter().sum();
-        match solver.equilibrium_from(&known, pressures, statics) {
-            Ok(found) => solved.push((to, found.displacement)),
+        let solved_shapes: Vec<(Pascal, &[f64])> = solved.iter().map(|(p, u)| (*p, u.as_slice())).collect();
+        let total_pressure = pressures.iter().sum();
+        match solver.equilibrium_from(&solved_shapes, pressures, statics) {
+            Ok(equilibrium) => solved.push((total_pressure, equilibrium.displacement)),
             Err(error) if i == 0 => return Err(Diagnostic::from(error)),
             Err(_) => break,
         }
@@ -149,25 +155,25 @@ fn solve_levels(
     Ok(solved.into_iter().skip(1).map(|(_, shape)| shape).collect())
 }
 
-fn shape((mesh, gauge): (&Mesh, &WallGauge), pressures: &[Pascal], moved: Vec<Point3>) -> Shape {
-    let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&moved).map(|(&x, &u)| vec3::add(x, u)).collect();
-    let walls = gauge.walls(pressures, &nodes);
+fn inflated_shape((mesh, gauge): (&Mesh, &WallGauge), pressures: &[Pascal], displacements: Vec<Point3>) -> Shape {
+    let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&displacements).map(|(&x, &u)| vec3::add(x, u)).collect();
+    let walls = gauge.walls_of_shape(pressures, &nodes);
     let rotation = end_rotation(&mesh.solid.nodes, &nodes);
-    Shape { pressures_pa: pressures.to_vec(), moved, walls, silhouette: None, rotation }
+    Shape { pressures_pa: pressures.to_vec(), moved: displacements, walls, silhouette: None, rotation }
 }
 
 /// Measures the silhouettes of shapes whose nodes have all moved, as `eye` (m) sees them.
-fn see(shapes: &mut [Shape], card: &Card, mesh: &Mesh, eye: Point3) {
+fn measure_silhouettes(shapes: &mut [Shape], card: &Card, mesh: &Mesh, eye: Point3) {
     let Some(stations) = Stations::new(card.body.clamp.end(), &card.body.markers) else { return };
-    let (rest, _) = stations.of_solid((&mesh.solid, &mesh.markers), &mesh.solid.nodes, eye);
+    let (undeformed, _) = stations.of_solid((&mesh.solid, &mesh.markers), &mesh.solid.nodes, eye);
     for shape in shapes {
         let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&shape.moved).map(|(&x, &u)| vec3::add(x, u)).collect();
-        shape.silhouette = stations.walls(&stations.of_solid((&mesh.solid, &mesh.markers), &nodes, eye), &rest);
+        shape.silhouette = stations.walls(&stations.of_solid((&mesh.solid, &mesh.markers), &nodes, eye), &undeformed);
     }
 }
 
 /// The nodes of the skin, in rising order.
-fn skin(mesh: &Mesh) -> Vec<u32> {
+fn skin_nodes(mesh: &Mesh) -> Vec<u32> {
     let nodes: BTreeSet<u32> = mesh.solid.skin.iter().flat_map(|f| f.nodes()).copied().collect();
     nodes.into_iter().collect()
 }

@@ -76,23 +76,28 @@ impl Stage for LoadCell {
     fn run(card: &Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::LoadCell> {
         let Logged { log: measured, sampling } = read_force(TAPS, (LogKind::Force, &card.log), context)?;
         let hammer = read_force("hammer", (LogKind::Hammer, &card.log), context)?.log;
-        let place = context.display_path("taps");
-        let found = identify_from_taps(&hammer.series(), &measured.series(), set.band)
-            .map_err(|e| Diagnostic::from(e).in_file(Path::new(&place)))?;
-        if let Some(count) = card.count.filter(|count| *count != found.taps) {
-            let what = format!("{} taps are found in the hammer's log", found.taps);
-            let why = format!("the card has count = {count}; a log that was cut has fewer");
-            return Err(Diagnostic::file(Path::new(&place), what, why, "copy the logs again, or correct the card"));
+        let taps_path = context.display_path("taps");
+        let identified = identify_from_taps(&hammer.series(), &measured.series(), set.band)
+            .map_err(|e| Diagnostic::from(e).in_file(Path::new(&taps_path)))?;
+        if let Some(count) = card.count.filter(|count| *count != identified.taps) {
+            let counted = format!("{} taps are found in the hammer's log", identified.taps);
+            let expected = format!("the card has count = {count}; a log that was cut has fewer");
+            return Err(Diagnostic::file(
+                Path::new(&taps_path),
+                counted,
+                expected,
+                "copy the logs again, or correct the card",
+            ));
         }
         let pushes = ExampleThrust { frequency: set.example_frequency, peak: set.example_peak };
         let regularisation = Regularisation { weight: set.weight, corner: set.cutoff };
-        let example = pushes.deconvolved(&found.in_time.cell, (measured.rate(), found.noise), regularisation);
+        let example = pushes.deconvolved(&identified.in_time.cell, (measured.rate(), identified.noise), regularisation);
         Ok(records::LoadCell {
-            in_time: found.in_time.into(),
-            in_frequency: found.in_frequency.into(),
-            taps: found.taps,
-            noise: found.noise,
-            response: found.response,
+            in_time: identified.in_time.into(),
+            in_frequency: identified.in_frequency.into(),
+            taps: identified.taps,
+            noise: identified.noise,
+            response: identified.response,
             sampling,
             example,
         })

@@ -15,7 +15,7 @@ use sysid::{Evaluated, Loss, landscape, uncertainty};
 ///
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when the profiles do not belong to the axes.
-pub(super) fn surface(
+pub(super) fn loss_surface(
     loss: &Loss,
     evaluated: &[Evaluated],
     bounds: &Bounds,
@@ -31,27 +31,29 @@ pub(super) fn surface(
     let points: Vec<(&[f64], &[Vec<Point2>])> =
         evaluated.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
     let Some(full) = landscape::completed(&points, &across, &up) else {
-        return Ok((coarse(loss, evaluated, &across, &up), Vec::new()));
+        return Ok((grid_surface(loss, evaluated, &across, &up), Vec::new()));
     };
-    let points: Vec<(&[f64], &[Vec<Point2>])> = full.iter().map(|(at, m)| (at.as_slice(), m.as_slice())).collect();
-    let judge = |at: &[Vec<Point2>]| vec![loss.misfit.loss(at), loss.misfit.chi_square(at).unwrap_or(f64::NAN)];
+    let points: Vec<(&[f64], &[Vec<Point2>])> =
+        full.iter().map(|(point, m)| (point.as_slice(), m.as_slice())).collect();
+    let judge =
+        |markers: &[Vec<Point2>]| vec![loss.misfit.loss(markers), loss.misfit.chi_square(markers).unwrap_or(f64::NAN)];
     let fine = landscape::between(&points, landscape_points, &judge);
     let critical = critical_pressures(evaluated, (&across, &up), (&fine.across, &fine.up));
     let moduli = &loss.model.nominal.youngs_moduli;
-    let along = |axis: &[f64], k: usize| axis.iter().map(|x| moduli[k] * x.exp()).collect::<Vec<f64>>();
-    let (across, up) = (along(&fine.across, 0), along(&fine.up, 1));
+    let moduli_along = |axis: &[f64], k: usize| axis.iter().map(|x| moduli[k] * x.exp()).collect::<Vec<f64>>();
+    let (across, up) = (moduli_along(&fine.across, 0), moduli_along(&fine.up, 1));
     let profiles = uncertainty::profiles([&first.name, &second.name], [&across, &up], &fine.values[1]);
     Ok((Surface { across, up, loss: fine.values[0].clone(), critical }, profiles))
 }
 
-fn coarse(by: &Loss, evaluated: &[Evaluated], across: &[f64], up: &[f64]) -> Surface {
+fn grid_surface(objective: &Loss, evaluated: &[Evaluated], across: &[f64], up: &[f64]) -> Surface {
     let loss = |x: f64, y: f64| {
-        let here = evaluated.iter().find(|t| t.at == [x, y]);
-        here.map_or(f64::NAN, |t| by.misfit.loss(&t.markers))
+        let evaluation = evaluated.iter().find(|t| t.at == [x, y]);
+        evaluation.map_or(f64::NAN, |t| objective.misfit.loss(&t.markers))
     };
     Surface {
-        across: across.iter().map(|&x| by.elastic(&[x, 0.0]).youngs_moduli[0]).collect(),
-        up: up.iter().map(|&y| by.elastic(&[0.0, y]).youngs_moduli[1]).collect(),
+        across: across.iter().map(|&x| objective.elastic(&[x, 0.0]).youngs_moduli[0]).collect(),
+        up: up.iter().map(|&y| objective.elastic(&[0.0, y]).youngs_moduli[1]).collect(),
         loss: up.iter().flat_map(|&y| across.iter().map(move |&x| (x, y))).map(|(x, y)| loss(x, y)).collect(),
         critical: critical_pressures(evaluated, (across, up), (across, up)),
     }
@@ -59,6 +61,7 @@ fn coarse(by: &Loss, evaluated: &[Evaluated], across: &[f64], up: &[f64]) -> Sur
 
 /// The pressures at which the slack walls buckle over both moduli, between those of the grid's points, Pa; 0 where one beside it does not.
 fn critical_pressures(evaluated: &[Evaluated], coarse: (&[f64], &[f64]), fine: (&[f64], &[f64])) -> Vec<Pascal> {
-    let at = |x: f64, y: f64| evaluated.iter().find(|t| t.at == [x, y]).and_then(|t| t.critical).unwrap_or(f64::NAN);
-    landscape::linear(coarse, &at, fine).into_iter().map(|p| if p.is_nan() { 0.0 } else { p }).collect()
+    let critical_pressure =
+        |x: f64, y: f64| evaluated.iter().find(|t| t.at == [x, y]).and_then(|t| t.critical).unwrap_or(f64::NAN);
+    landscape::linear(coarse, &critical_pressure, fine).into_iter().map(|p| if p.is_nan() { 0.0 } else { p }).collect()
 }

@@ -96,8 +96,8 @@ impl Part<Specimen> for Card {
 /// Whether a driven channel fills a chamber on one side of z = 0, and another channel one on the other side.
 fn is_sided(card: &card::Card) -> bool {
     let driven = |c: &&card::Chamber| card.trial.iter().any(|t| t.experiment.channels().contains(&c.channel));
-    let apart = |a: &card::Chamber, b: &card::Chamber| a.at[2] * b.at[2] < 0.0 && a.channel != b.channel;
-    card.chamber.iter().filter(driven).any(|a| card.chamber.iter().any(|b| apart(a, b)))
+    let are_opposed = |a: &card::Chamber, b: &card::Chamber| a.at[2] * b.at[2] < 0.0 && a.channel != b.channel;
+    card.chamber.iter().filter(driven).any(|a| card.chamber.iter().any(|b| are_opposed(a, b)))
 }
 
 impl Stage for Mesh {
@@ -123,7 +123,7 @@ impl Stage for Mesh {
         context.progress(0.1, "meshing");
         let mut mesher = card.mesher(set.edge, set.use_symmetry, set.elements.graded(Grading::COARSE));
         mesher.settings.method = set.method;
-        made(card, &mesher, set.marker_distance_limit, context)
+        specimen_mesh(card, &mesher, set.marker_distance_limit, context)
     }
 }
 
@@ -131,25 +131,30 @@ impl Stage for Mesh {
 ///
 /// # Errors
 /// A [`Diagnostic`] when a surface cannot be read or meshed, or the card names a chamber or marker that is not there.
-pub(super) fn made(card: &Card, by: &Mesher, marker_limit: Metre, context: &dyn StageContext) -> Result<records::Mesh> {
-    let made = match card.meshed {
-        true => read(card, context)?,
-        false => meshed(card, by, context)?,
+pub(super) fn specimen_mesh(
+    card: &Card,
+    mesher: &Mesher,
+    marker_limit: Metre,
+    context: &dyn StageContext,
+) -> Result<records::Mesh> {
+    let meshed_body = match card.meshed {
+        true => read_mesh_file(card, context)?,
+        false => mesh_surfaces(card, mesher, context)?,
     };
-    let chambers = chambers(card, &made)?;
+    let chambers = chamber_cavities(card, &meshed_body)?;
     let (markers, marker_distance_m) =
-        made.markers(card.markers.iter().map(|m| (m.name.as_str(), m.at)), marker_limit)?;
-    let clamped = card.clamped.as_deref().map_or(Ok(Vec::new()), |surface| made.clamped(surface))?;
+        meshed_body.markers(card.markers.iter().map(|m| (m.name.as_str(), m.at)), marker_limit)?;
+    let clamped = card.clamped.as_deref().map_or(Ok(Vec::new()), |surface| meshed_body.clamped(surface))?;
     let quality = Quality {
-        dofs: 3 * made.solid.nodes.len(),
-        half: made.solid.half,
-        min_dihedral_deg: made.min_dihedral_deg,
-        hausdorff_m: made.hausdorff_m,
-        volume_error: made.volume_error,
-        not_hexahedra: made.not_hexahedra,
+        dofs: 3 * meshed_body.solid.nodes.len(),
+        half: meshed_body.solid.half,
+        min_dihedral_deg: meshed_body.min_dihedral_deg,
+        hausdorff_m: meshed_body.hausdorff_m,
+        volume_error: meshed_body.volume_error,
+        not_hexahedra: meshed_body.not_hexahedra,
         marker_distance_m,
     };
-    Ok(records::Mesh { solid: made.solid, chambers, markers, clamped, quality })
+    Ok(records::Mesh { solid: meshed_body.solid, chambers, markers, clamped, quality })
 }
 
 /// Largest distance of another mesh's skin from a marker, m: a coarse one lies farther off than the study's own.
@@ -158,53 +163,55 @@ pub(super) const MARKER_LIMIT: Metre = 3e-3;
 /// A specimen's mesh in tetrahedra with edges of some length (m), halved where it is symmetric.
 ///
 /// # Errors
-/// As [`made`].
+/// As [`specimen_mesh`].
 pub(super) fn with_edge(card: &Card, edge: Metre, context: &dyn StageContext) -> Result<records::Mesh> {
-    made(card, &card.mesher(edge, true, ElementChoice::Tetrahedra), MARKER_LIMIT, context)
+    specimen_mesh(card, &card.mesher(edge, true, ElementChoice::Tetrahedra), MARKER_LIMIT, context)
 }
 
 /// A specimen's mesh in hexahedra with cells shorter than those of the study by a factor, halved where it is symmetric; a body without a chamber is
 /// divided as if it had a wall as thick as the edge (m).
 ///
 /// # Errors
-/// As [`made`]; also when the body cannot be divided into hexahedra.
+/// As [`specimen_mesh`]; also when the body cannot be divided into hexahedra.
 pub(super) fn with_finer_cells(
     card: &Card,
     (edge, finer): (Metre, f64),
     context: &dyn StageContext,
 ) -> Result<records::Mesh> {
     let elements = ElementChoice::Hexahedra(Grading::COARSE.finer(finer));
-    made(card, &card.mesher(edge, true, elements), MARKER_LIMIT, context)
+    specimen_mesh(card, &card.mesher(edge, true, elements), MARKER_LIMIT, context)
 }
 
-fn meshed(card: &Card, by: &Mesher, context: &dyn StageContext) -> Result<Meshed> {
-    let body = surface(card, card::BODY, context)?;
-    let sheet = card.solids.iter().any(|one| one.solid == card::SPINE);
-    let spine = sheet.then(|| surface(card, card::SPINE, context)).transpose()?;
-    Meshed::of_surfaces((&body, spine.as_ref()), &by.settings, by.elements, &card.solids).map_err(|diagnostic| {
-        let body = context.display_path(card::BODY);
-        let spine = sheet.then(|| format!(" with {}", context.display_path(card::SPINE)));
-        diagnostic.while_doing(body + &spine.unwrap_or_default())
-    })
+fn mesh_surfaces(card: &Card, mesher: &Mesher, context: &dyn StageContext) -> Result<Meshed> {
+    let body = read_surface(card, card::BODY, context)?;
+    let sheet = card.solids.iter().any(|region| region.solid == card::SPINE);
+    let spine = sheet.then(|| read_surface(card, card::SPINE, context)).transpose()?;
+    Meshed::of_surfaces((&body, spine.as_ref()), &mesher.settings, mesher.elements, &card.solids).map_err(
+        |diagnostic| {
+            let body = context.display_path(card::BODY);
+            let spine = sheet.then(|| format!(" with {}", context.display_path(card::SPINE)));
+            diagnostic.while_doing(body + &spine.unwrap_or_default())
+        },
+    )
 }
 
-fn read(card: &Card, context: &dyn StageContext) -> Result<Meshed> {
-    let place = context.display_path("mesh");
-    let file = Path::new(&place);
+fn read_mesh_file(card: &Card, context: &dyn StageContext) -> Result<Meshed> {
+    let mesh_path = context.display_path("mesh");
+    let file = Path::new(&mesh_path);
     let nodes = foreign::nodes_of(file).map(|_| context.bytes("nodes")).transpose()?;
     let bytes = (&*context.bytes("mesh")?, nodes.as_deref());
     Meshed::of_file(file, bytes, card.unit.metres(), &card.solids).map_err(|diagnostic| diagnostic.in_file(file))
 }
 
-fn surface(card: &Card, word: &str, context: &dyn StageContext) -> Result<Surface> {
+fn read_surface(card: &Card, word: &str, context: &dyn StageContext) -> Result<Surface> {
     let read = ::mesh::stl::read(&context.bytes(word)?, card.unit.metres());
     read.map_err(|e| Diagnostic::from(e).in_file(Path::new(&context.display_path(word))))
 }
 
-fn chambers(card: &Card, made: &Meshed) -> Result<Vec<Cavity>> {
+fn chamber_cavities(card: &Card, meshed_body: &Meshed) -> Result<Vec<Cavity>> {
     let cavity = |chamber: &Point| {
-        let skin = made.chamber(&chamber.name, chamber.at)?;
-        Ok(Cavity { name: chamber.name.clone(), skin, volume_m3: made.cavities[usize::from(skin)].volume })
+        let skin = meshed_body.chamber(&chamber.name, chamber.at)?;
+        Ok(Cavity { name: chamber.name.clone(), skin, volume_m3: meshed_body.cavities[usize::from(skin)].volume })
     };
     card.chambers.iter().map(cavity).collect()
 }

@@ -68,7 +68,7 @@ impl Stage for MeshSensitivity {
     fn run(
         card: &Self::Card,
         set: &Settings,
-        found: Identified,
+        identified: Identified,
         context: &dyn StageContext,
     ) -> Result<records::MeshSensitivity> {
         let finer = if set.finer_specimens.contains(&card.name) { set.finer.as_slice() } else { &[] };
@@ -76,7 +76,7 @@ impl Stage for MeshSensitivity {
         let meshes: Vec<Cells> = set.edges.iter().flat_map(tetrahedra).collect();
         let meshes = meshes.into_iter().chain(finer.iter().map(|&finer| Cells::Hexahedra { finer }));
         let meshes: Vec<Cells> = meshes.collect();
-        let films = IdentifiedFilms { card, set, found: &found };
+        let films = IdentifiedFilms { card, set, identified: &identified };
         let row = |(number, cells): (usize, &Cells)| {
             context.progress(number as f64 / meshes.len() as f64, &cells.size());
             films.result_on(cells, context)
@@ -90,68 +90,73 @@ impl Stage for MeshSensitivity {
 struct IdentifiedFilms<'a> {
     card: &'a Card,
     set: &'a Settings,
-    found: &'a Identified,
+    identified: &'a Identified,
 }
 
 impl IdentifiedFilms<'_> {
     /// The moduli on another mesh.
     fn result_on(&self, cells: &Cells, context: &dyn StageContext) -> Result<MeshResult> {
-        let Self { card, set, found } = *self;
-        let (made, found) = match cells {
+        let Self { card, set, identified } = *self;
+        let (other_mesh, identified) = match cells {
             Cells::Tetrahedra { edge, .. } => {
-                (mesh::with_edge(&card.mesh, *edge, context)?, found.clone().up_to(set.pressure_fraction))
+                (mesh::with_edge(&card.mesh, *edge, context)?, identified.clone().up_to(set.pressure_fraction))
             }
             Cells::Hexahedra { finer } => {
-                (mesh::with_finer_cells(&card.mesh, (set.edges[0], *finer), context)?, found.clone())
+                (mesh::with_finer_cells(&card.mesh, (set.edges[0], *finer), context)?, identified.clone())
             }
         };
-        let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
-        let model = model(&card.body, &made, cells.nodes(), &found)?;
+        let levels = Misfit::kept(&identified.levels, &identified.noise, identified.length)?;
+        let model = model_on_mesh(&card.body, &other_mesh, cells.nodes(), &identified)?;
         let dofs = 3 * model.system.mesh().nodes.len();
         let locks = matches!(cells, Cells::Tetrahedra { .. });
-        let best = moduli(set, (&model, locks), &levels, &found)?;
-        Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: point(&found, &best.at) })
+        let best = identify_moduli(set, (&model, locks), &levels, &identified)?;
+        Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: moduli_at(&identified, &best.at) })
     }
 }
 
-fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<Model> {
-    let whole = Solid::Quadratic(mesh.solid.clone());
-    let solid = if nodes == 4 { Solid::Linear(whole.to_linear()) } else { whole };
-    let rest = found.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
-    let spots = body.markers.iter().zip(&rest).map(|(m, at)| solid.embed([at[0], at[1], m[2]]).0);
+fn model_on_mesh(body: &Body, mesh: &Mesh, nodes: usize, identified: &Identified) -> Result<Model> {
+    let quadratic = Solid::Quadratic(mesh.solid.clone());
+    let solid = if nodes == 4 { Solid::Linear(quadratic.to_linear()) } else { quadratic };
+    let rest_positions = identified.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
+    let spots = body.markers.iter().zip(&rest_positions).map(|(m, at)| solid.embed([at[0], at[1], m[2]]).0);
     Model::new(&solid, Attached { chambers: &mesh.skins(), clamped: &[] }, spots.collect(), body)
 }
 
-fn point(found: &Identified, at: &[f64]) -> Moduli {
-    found.best.iter().zip(at).map(|(modulus, by)| modulus * by.exp()).collect()
+fn moduli_at(identified: &Identified, point: &[f64]) -> Moduli {
+    identified.best.iter().zip(point).map(|(modulus, log_ratio)| modulus * log_ratio.exp()).collect()
 }
 
 /// Gauss-Newton over the logarithms of the moduli over the identified ones, in a reduced model that the whole mesh certifies. Elements that lock
 /// have their answer far from the start: what is not certified is searched on the whole mesh, which finer hexahedra neither need nor allow.
-fn moduli(set: &Settings, (model, locks): (&Model, bool), levels: &Misfit, found: &Identified) -> Result<Evaluation> {
+fn identify_moduli(
+    set: &Settings,
+    (model, locks): (&Model, bool),
+    levels: &Misfit,
+    identified: &Identified,
+) -> Result<Evaluation> {
     let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
-    let mut whole = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
-    let by = CertifiedSearch::new(found.elastic(model), Derivatives::Sensitivities, levels);
-    let elastic = |at: &[f64]| Elastic { youngs_moduli: point(found, at), ..found.elastic(model) };
-    let mut one = |solver: &mut LevelSolver| {
-        let best = minimise(set, (levels, found), &elastic, solver)?;
+    let mut whole_mesh = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
+    let certification = CertifiedSearch::new(identified.elastic(model), Derivatives::Sensitivities, levels);
+    let elastic = |point: &[f64]| Elastic { youngs_moduli: moduli_at(identified, point), ..identified.elastic(model) };
+    let mut search_reduced = |solver: &mut LevelSolver| {
+        let best = minimise(set, (levels, identified), &elastic, solver)?;
         Ok((elastic(&best.at), best))
     };
-    match by.run(&mut whole, &mut one, &|_| ()) {
+    match certification.run(&mut whole_mesh, &mut search_reduced, &|_| ()) {
         Ok(certified) if certified.certificate.holds() || !locks => Ok(certified.found),
-        _ => minimise(set, (levels, found), &elastic, &mut whole),
+        _ => minimise(set, (levels, identified), &elastic, &mut whole_mesh),
     }
 }
 
 fn minimise(
     set: &Settings,
-    (levels, found): (&Misfit, &Identified),
+    (levels, identified): (&Misfit, &Identified),
     elastic: &dyn Fn(&[f64]) -> Elastic,
     solver: &mut LevelSolver,
 ) -> Result<Evaluation> {
-    let (wide, count) = (set.modulus_factor.ln(), found.solids.len());
+    let (wide, count) = (set.modulus_factor.ln(), identified.solids.len());
     let bounds = Bounds { low: vec![-wide; count], high: vec![wide; count] };
-    let names: Vec<&str> = found.solids.iter().map(String::as_str).collect();
+    let names: Vec<&str> = identified.solids.iter().map(String::as_str).collect();
     let search = Problem::new(&names, vec![0.0; count], bounds)?;
     let newton = gauss_newton::Settings {
         step_tolerance: set.step_tolerance,
@@ -160,17 +165,17 @@ fn minimise(
         ..gauss_newton::Settings::default()
     };
     let mut optimiser = gauss_newton::GaussNewton::new(&search, &newton)?;
-    let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-        let constants = elastic(at);
+    let mut evaluate = |point: &Vec<f64>| -> Result<Evaluation> {
+        let constants = elastic(point);
         let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
-            return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
+            return Ok(Evaluation::of_loss(point.clone(), f64::INFINITY));
         };
         let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
         let residuals = levels.residuals(&simulated, &constants.youngs_moduli)?;
-        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), levels.loss(&markers)) })
+        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(point.clone(), levels.loss(&markers)) })
     };
     let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-        batch.iter().map(|at| evaluate(at).map_err(Interrupted)).collect()
+        batch.iter().map(|point| evaluate(point).map_err(Interrupted)).collect()
     };
     Ok(optimize::minimise(&mut optimiser, &mut problem).map_err(|stop| stop.0)?.best)
 }

@@ -13,7 +13,7 @@ use optimize::optimisers::{self, adam, cma_es, grid};
 use serde::{Deserialize, Serialize};
 
 use super::gradients::gradient_difference;
-use super::loss_surface::surface;
+use super::loss_surface::loss_surface;
 use super::walls::WallGauge;
 use diagnostics::Result;
 use records::subject::Specimen;
@@ -63,7 +63,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    fn methods(&self, grid_points: usize) -> optimisers::Settings {
+    fn method_settings(&self, grid_points: usize) -> optimisers::Settings {
         let mut methods = optimisers::Settings::default();
         methods.grid.points_per_axis = grid_points;
         methods.cma_es = cma_es::Settings {
@@ -110,26 +110,27 @@ impl Stage for Comparison {
     fn run(
         card: &Self::Card,
         set: &Settings,
-        (mesh, found): Self::Needs,
+        (mesh, identified): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<MethodComparison> {
         if !set.specimens.contains(&card.name) {
             return Ok(MethodComparison::default());
         }
-        let loss = loss(&card.body, &mesh, &found)?;
+        let loss = identification_loss(&card.body, &mesh, &identified)?;
         context.progress(0.1, "the whole body trains a reduced model");
-        let (whole, mut bounds) = (loss.solver(set.static_tolerance, set.parallel_solves), loss.bounds());
-        let mut trained = TrainedBox::new(&loss, whole, found.elastic(&loss.model), &mut bounds)?;
+        let (whole_body, mut bounds) = (loss.solver(set.static_tolerance, set.parallel_solves), loss.bounds());
+        let mut trained = TrainedBox::new(&loss, whole_body, identified.elastic(&loss.model), &mut bounds)?;
         let comparing = Comparing { set, loss: &loss, problem: loss.problem(bounds)?, context };
-        let (results, certificate) = trained.certified(&mut |reduced| comparing.all(reduced))?;
-        let searches = optimisers::ALL.iter().zip(&results).map(|(member, result)| search(&loss, member.name, result));
+        let (results, certificate) = trained.certified(&mut |reduced| comparing.searches_by_all(reduced))?;
+        let searches =
+            optimisers::ALL.iter().zip(&results).map(|(member, result)| recorded_search(&loss, member.name, result));
         let searches: Vec<Search> = searches.collect();
         context.progress(0.9, "the landscape");
-        let (surface, profiles) = comparing.surface(trained.reduced())?;
+        let (surface, profiles) = comparing.interpolated_landscape(trained.reduced())?;
         let gradient_difference = Some(gradient_difference(&loss, &comparing.problem, trained.reduced())?);
         let highest = loss.misfit.levels.iter().map(PressureLevel::top).fold(0.0, f64::max);
         Ok(MethodComparison {
-            solids: found.solids,
+            solids: identified.solids,
             highest,
             searches,
             certificate,
@@ -151,46 +152,51 @@ struct Comparing<'a> {
 
 impl Comparing<'_> {
     /// By every method, each from what the reduced model knew before.
-    fn all(&self, reduced: &LevelSolver) -> Result<Vec<(SearchResult, Second)>> {
+    fn searches_by_all(&self, reduced: &LevelSolver) -> Result<Vec<(SearchResult, Second)>> {
         let members = optimisers::ALL.iter().enumerate();
         members
             .map(|(number, member)| {
                 self.context.progress((number + 1) as f64 / (optimisers::ALL.len() + 2) as f64, member.name);
                 let began = self.context.seconds();
-                Ok((self.by(member, self.set.grid_points, reduced)?, self.context.seconds() - began))
+                Ok((self.search_by(member, self.set.grid_points, reduced)?, self.context.seconds() - began))
             })
             .collect()
     }
 
-    fn by(&self, member: &optimisers::Member, grid_points: usize, reduced: &LevelSolver) -> Result<SearchResult> {
+    fn search_by(
+        &self,
+        member: &optimisers::Member,
+        grid_points: usize,
+        reduced: &LevelSolver,
+    ) -> Result<SearchResult> {
         let mut solver = reduced.with(self.loss.misfit.levels.clone(), statics(self.set.static_tolerance));
-        self.loss.minimise(&self.problem, (member, &self.set.methods(grid_points)), &mut solver)
+        self.loss.minimise(&self.problem, (member, &self.set.method_settings(grid_points)), &mut solver)
     }
 
     /// The landscape over the bounds of the search, and the profiles of both moduli.
-    fn surface(&self, reduced: &LevelSolver) -> Result<(Surface, Vec<Profile>)> {
+    fn interpolated_landscape(&self, reduced: &LevelSolver) -> Result<(Surface, Vec<Profile>)> {
         let Some(member) = optimisers::by_name(grid::NAME) else { return Ok((Surface::default(), Vec::new())) };
         let points = self.set.surface_points;
-        let simulated = self.by(member, points, reduced)?.evaluated;
-        surface(self.loss, &simulated, self.problem.bounds(), (points, self.set.landscape_points))
+        let simulated = self.search_by(member, points, reduced)?.evaluated;
+        loss_surface(self.loss, &simulated, self.problem.bounds(), (points, self.set.landscape_points))
     }
 }
 
 /// The loss that was identified with, at the identified stiffening; the markers lie where the first film has them at rest.
-fn loss<'a>(body: &'a Body, mesh: &'a Mesh, found: &Identified) -> Result<Loss<'a>> {
-    let rest = found.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
-    let mut model = mesh.model(body)?.with_markers_at(&mesh.solid, body, &rest);
-    model.nominal.stiffening = found.elastic(&model).stiffening;
-    let misfit = Misfit::kept(&found.levels, &found.noise, found.length)?;
+fn identification_loss<'a>(body: &'a Body, mesh: &'a Mesh, identified: &Identified) -> Result<Loss<'a>> {
+    let rest_positions = identified.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
+    let mut model = mesh.model(body)?.with_markers_at(&mesh.solid, body, &rest_positions);
+    model.nominal.stiffening = identified.elastic(&model).stiffening;
+    let misfit = Misfit::kept(&identified.levels, &identified.noise, identified.length)?;
     Ok(Loss { body, model, misfit, gauge: WallGauge::new(mesh).of_levels() })
 }
 
 /// The evaluations of a method, as recorded.
-fn search(loss: &Loss, method: &str, (result, seconds): &(SearchResult, Second)) -> Search {
-    let tried = result
+fn recorded_search(loss: &Loss, method: &str, (result, seconds): &(SearchResult, Second)) -> Search {
+    let evaluated_points = result
         .history
         .entries
         .iter()
         .map(|t| EvaluatedPoint { at: loss.elastic(&t.evaluation.at).youngs_moduli, loss: t.evaluation.loss });
-    Search { method: method.into(), tried: tried.collect(), seconds: *seconds }
+    Search { method: method.into(), tried: evaluated_points.collect(), seconds: *seconds }
 }

@@ -19,7 +19,7 @@ use ::thrust::models::linear::Weighted;
 use ::thrust::optimal_waveform::OptimalWaveforms;
 use ::thrust::outline::Outline;
 use ::thrust::real_time::{Surroundings, twin_data};
-use ::thrust::square_wave_search::{Search, best_recorded, check, highest};
+use ::thrust::square_wave_search::{ActuationPoint, Best, Search, best_recorded, check, highest};
 use ::thrust::waveform::Valve;
 use ::thrust::waveform_thrust::WaveformModel;
 use ::thrust::{Fitted, Run, ThrustModel};
@@ -68,15 +68,15 @@ pub struct Card {
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        Self { body: Body::of(&of.card), halves: halves(&of.card) }
+        Self { body: Body::of(&of.card), halves: halves_of_chambers(&of.card) }
     }
 }
 
 /// The first two channels that any trial fills in turn fill their chambers in the two halves of a cycle.
-fn halves(card: &lab::Card) -> Vec<Option<usize>> {
+fn halves_of_chambers(card: &lab::Card) -> Vec<Option<usize>> {
     let flapping = card.trial.iter().map(|t| t.experiment.channels()).find(|channels| channels.len() > 1);
-    let turn = flapping.map(|channels| &channels[..2]).unwrap_or_default();
-    card.chamber.iter().map(|chamber| turn.iter().position(|channel| *channel == chamber.channel)).collect()
+    let channels_in_turn = flapping.map(|channels| &channels[..2]).unwrap_or_default();
+    card.chamber.iter().map(|chamber| channels_in_turn.iter().position(|channel| *channel == chamber.channel)).collect()
 }
 
 impl Stage for OptimalActuation {
@@ -89,14 +89,14 @@ impl Stage for OptimalActuation {
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let ((mesh, identified, reduced), relaxation, (thrust, Maybe(water), films)) = needs;
-        let limits = limits(&thrust.runs, &identified, set.iterations)?;
+        let limits = search_limits(&thrust.runs, &identified, set.iterations)?;
         let outline = Outline::new(&card.body, &mesh.solid);
         let (wet, spots) = outline.whole(thrust.density, thrust.sections)?;
         let model = mesh.model(&card.body)?.with_spots(spots);
         let reduced_body = ReducedBody::of(&model, &relaxation.silicone(&model, &identified)?, &reduced.data)?;
         let tail = outline.marked(thrust.density, thrust.sections)?;
-        let rows = reduced_body.rows(&card.body.markers_by_x());
-        let stations = reduced_body.rows(&(card.body.markers.len()..reduced_body.markers()).collect::<Vec<_>>());
+        let stations: Vec<usize> = (card.body.markers.len()..reduced_body.markers()).collect();
+        let (rows, stations) = (reduced_body.rows(&card.body.markers_by_x()), reduced_body.rows(&stations));
         let flapping = FlappingModel {
             reduced_body: &reduced_body,
             tail: &tail,
@@ -108,21 +108,16 @@ impl Stage for OptimalActuation {
             steps_per_cycle: set.steps_per_cycle,
             cycles: set.cycles,
         };
-        let models = models(&thrust)?;
+        let models = fitted_models(&thrust)?;
         let search = Search { flapping: &flapping, models: &models, limits, sharpness: set.sharpness, scan: set.scan };
         let (scan, unsolved) = search.scan(&|part| context.progress(0.2 + 0.3 * part, "scanning"))?;
         context.progress(0.5, "gradient ascent");
-        let filmed = thrust.runs.iter().map(Run::amplitude_of_tip).fold(f64::MIN_POSITIVE, f64::max);
-        let optimised = |place: usize| search.ascend_from(&scan, place, filmed);
-        let best = (0..models.len()).into_par_iter().map(optimised).collect::<Result<_>>()?;
+        let best = best_by_model(&search, &scan, &thrust.runs)?;
         context.progress(0.8, "gradient ascent of a waveform");
         let recorded = best_recorded(&thrust.runs, &limits)?;
-        let pulses =
-            films.0.iter().flat_map(|(_, film)| film.gauges.iter().flat_map(|g| pulses(&film.log_time, g.signals())));
-        let valve = Valve::of(&pulses.collect::<Vec<_>>());
         let actuated = Actuated { flapping: &flapping, theory: &thrust.coefficients, limits, set };
         Ok(Record {
-            waveforms: valve.map(|valve| actuated.waveforms(valve, recorded)).transpose()?.flatten(),
+            waveforms: actuated.optimal_waveforms(&films, recorded)?,
             highest_pa: limits.amplitude,
             frequencies_hz: limits.frequency,
             best,
@@ -132,6 +127,20 @@ impl Stage for OptimalActuation {
             coordinates: reduced_body.coordinates(),
         })
     }
+}
+
+/// The square wave of greatest thrust by each thrust model, by gradient ascent from the points of a scan.
+fn best_by_model(search: &Search, scan: &[ActuationPoint], runs: &[Run]) -> Result<Vec<Best>> {
+    let filmed_amplitude = runs.iter().map(Run::amplitude_of_tip).fold(f64::MIN_POSITIVE, f64::max);
+    let optimised = |model: usize| search.ascend_from(scan, model, filmed_amplitude);
+    (0..search.models.len()).into_par_iter().map(optimised).collect()
+}
+
+/// A valve with the time constants of the films' pressure logs; none where no log holds a pulse.
+fn valve_of_films(films: &IdentificationTrials<Motion>) -> Option<Valve> {
+    let of_film =
+        |film: &Motion| -> Vec<_> { film.gauges.iter().flat_map(|g| pulses(&film.log_time, g.signals())).collect() };
+    Valve::of(&films.0.iter().flat_map(|(_, film)| of_film(film)).collect::<Vec<_>>())
 }
 
 /// What a waveform is optimised for.
@@ -144,10 +153,15 @@ struct Actuated<'a> {
 }
 
 impl Actuated<'_> {
-    /// The optimal waveforms behind a valve; none for a law that no twin has. Thrust is without the constant of fitted theory, which a tail at rest has
-    /// too: over no air it would be without limit.
-    fn waveforms(&self, valve: Valve, recorded: &Run) -> Result<Option<OptimalWaveforms>> {
+    /// The optimal waveforms behind the valve of the films; none without one, or for a law that no twin has. Thrust is without
+    /// the constant of fitted theory, which a tail at rest has too: over no air it would be without limit.
+    fn optimal_waveforms(
+        &self,
+        films: &IdentificationTrials<Motion>,
+        recorded: &Run,
+    ) -> Result<Option<OptimalWaveforms>> {
         let Self { flapping, theory, limits, set } = *self;
+        let Some(valve) = valve_of_films(films) else { return Ok(None) };
         let &[edge_flux, momentum_rate, drag, inertia, _] = theory else { return Ok(None) };
         if !flapping.reduced_body.has_twin() {
             return Ok(None);
@@ -172,11 +186,11 @@ impl Actuated<'_> {
 }
 
 /// Limits of the search: the range of the force measurements, and for pressures also that of identification.
-fn limits(runs: &[Run], identified: &Identified, iterations: usize) -> Result<Limits> {
-    let most = |of: fn(&Run) -> f64| runs.iter().map(of).fold(0.0, f64::max);
+fn search_limits(runs: &[Run], identified: &Identified, iterations: usize) -> Result<Limits> {
+    let highest_of = |property: fn(&Run) -> f64| runs.iter().map(property).fold(0.0, f64::max);
     let slowest = runs.iter().map(|r| r.frequency).fold(f64::INFINITY, f64::min);
-    let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-    let amplitude = most(highest).min(known);
+    let highest_identified = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
+    let amplitude = highest_of(highest).min(highest_identified);
     if amplitude <= 0.0 || !slowest.is_finite() {
         return Err(Diagnostic::new(
             "there is no actuation to optimise",
@@ -184,11 +198,11 @@ fn limits(runs: &[Run], identified: &Identified, iterations: usize) -> Result<Li
             "record a trial with a force log",
         ));
     }
-    Ok(Limits { amplitude, frequency: [slowest, most(|r| r.frequency)], iterations })
+    Ok(Limits { amplitude, frequency: [slowest, highest_of(|r| r.frequency)], iterations })
 }
 
 /// Fitted theory and the network, thrust on the card's training runs.
-fn models(thrust: &Thrust) -> Result<Vec<(ThrustModel, Fitted)>> {
+fn fitted_models(thrust: &Thrust) -> Result<Vec<(ThrustModel, Fitted)>> {
     let theory = Weighted { model: ThrustModel::Theory, weights: thrust.coefficients.clone() };
     let file = Path::new("network.safetensors");
     let network = Network::from_safetensors(&thrust.network).map_err(|e| Diagnostic::from(e).in_file(file))?;

@@ -16,9 +16,14 @@ use sysid::PressureLevel;
 ///
 /// # Errors
 /// A [`Diagnostic`] when the log holds no pressure or the film ends before the first hold.
-pub fn levels(motion: &Motion, markers: &Markers, settled: f64, shortest: Second) -> Result<Vec<PressureLevel>> {
+pub(crate) fn pressure_levels(
+    motion: &Motion,
+    markers: &Markers,
+    settled: f64,
+    shortest: Second,
+) -> Result<Vec<PressureLevel>> {
     let levels: Vec<PressureLevel> =
-        long_holds(motion, shortest).filter_map(|hold| model(motion, markers, hold, settled)).collect();
+        long_holds(motion, shortest).filter_map(|hold| level_of_hold(motion, markers, hold, settled)).collect();
     if levels.is_empty() {
         return Err(Diagnostic::new(
             "the trial holds no pressure that was filmed",
@@ -38,11 +43,11 @@ pub(super) fn held_times(motion: &Motion, settled: f64, shortest: Second) -> Vec
 /// The holds that last at least `shortest` (s).
 fn long_holds(motion: &Motion, shortest: Second) -> impl Iterator<Item = Range<usize>> {
     let length = |hold: &Range<usize>| motion.log_time[hold.end - 1] - motion.log_time[hold.start];
-    holds(motion).into_iter().filter(move |hold| length(hold) >= shortest)
+    command_holds(motion).into_iter().filter(move |hold| length(hold) >= shortest)
 }
 
 /// Runs of samples with a constant command, at least one chamber's above zero.
-pub(super) fn holds(motion: &Motion) -> Vec<Range<usize>> {
+pub(super) fn command_holds(motion: &Motion) -> Vec<Range<usize>> {
     let command = |i: usize| -> Vec<Pascal> { motion.gauges.iter().map(|g| g.command[i]).collect() };
     let samples = motion.log_time.len();
     let ends = (1..=samples).filter(|&i| i == samples || command(i) != command(i - 1));
@@ -51,19 +56,20 @@ pub(super) fn holds(motion: &Motion) -> Vec<Range<usize>> {
     runs.filter(|run| command(run.start).iter().any(|&p| p > 0.0)).collect()
 }
 
-fn model(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -> Option<PressureLevel> {
-    let (from, to) = (motion.log_time[hold.start], motion.log_time[hold.end - 1]);
-    let still = to - settled * (to - from);
-    let samples: Vec<usize> = hold.filter(|&i| motion.log_time[i] >= still).collect();
-    let frames = motion.time.partition_point(|&t| t < still)..motion.time.partition_point(|&t| t <= to);
+fn level_of_hold(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -> Option<PressureLevel> {
+    let (begin, end) = (motion.log_time[hold.start], motion.log_time[hold.end - 1]);
+    let settled_from = end - settled * (end - begin);
+    let samples: Vec<usize> = hold.filter(|&i| motion.log_time[i] >= settled_from).collect();
+    let frames = motion.time.partition_point(|&t| t < settled_from)..motion.time.partition_point(|&t| t <= end);
     if frames.is_empty() || samples.is_empty() {
         return None;
     }
-    let (of_samples, of_frames) = (hann(samples.len()), hann(frames.len()));
-    let pressure = |measured: &[Pascal]| samples.iter().zip(&of_samples).map(|(&i, w)| w * measured[i]).sum();
-    let place = |m: &Path| [0, 1].map(|k| frames.clone().zip(&of_frames).map(|(i, w)| w * m.at[i][k]).sum());
-    let measured: Vec<Point2> = motion.markers.iter().map(place).collect();
-    let spreads = markers.parts.iter().map(|parts| spread(parts, frames.start, &of_frames));
+    let (sample_weights, frame_weights) = (hann_weights(samples.len()), hann_weights(frames.len()));
+    let pressure = |measured: &[Pascal]| samples.iter().zip(&sample_weights).map(|(&i, w)| w * measured[i]).sum();
+    let mean_position =
+        |m: &Path| [0, 1].map(|k| frames.clone().zip(&frame_weights).map(|(i, w)| w * m.at[i][k]).sum());
+    let measured: Vec<Point2> = motion.markers.iter().map(mean_position).collect();
+    let spreads = markers.parts.iter().map(|parts| mean_covariance(parts, frames.start, &frame_weights));
     let (covariance, shared) = spreads.unzip();
     Some(PressureLevel {
         pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(),
@@ -75,16 +81,16 @@ fn model(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -
 }
 
 /// Hann's window over `count` even samples; they sum to 1.
-fn hann(count: usize) -> Vec<f64> {
+fn hann_weights(count: usize) -> Vec<f64> {
     let weight = |k: usize| (PI * (k as f64 + 0.5) / count as f64).sin().powi(2);
     let sum: f64 = (0..count).map(weight).sum();
     (0..count).map(|k| weight(k) / sum).collect()
 }
 
 /// Covariance of the weighted mean over the frames from `first` on, and its part that a film shares: noise is averaged, that part is not.
-fn spread(parts: &CovarianceParts, first: usize, weights: &[f64]) -> (Covariance2, Covariance2) {
-    let sum = |of: &[Covariance2], k: usize, power: i32| {
-        of[first..].iter().zip(weights).map(|(s, w)| w.powi(power) * s[k]).sum::<f64>()
+fn mean_covariance(parts: &CovarianceParts, first: usize, weights: &[f64]) -> (Covariance2, Covariance2) {
+    let sum = |covariances: &[Covariance2], k: usize, power: i32| {
+        covariances[first..].iter().zip(weights).map(|(s, w)| w.powi(power) * s[k]).sum::<f64>()
     };
     let shared = [0, 1, 2].map(|k| sum(&parts.shared, k, 1));
     ([0, 1, 2].map(|k| sum(&parts.noise, k, 2) + shared[k]), shared)
@@ -110,7 +116,7 @@ mod tests {
 
     #[test]
     fn each_held_pressure_becomes_one_level() {
-        let levels = levels(&motion(), &markers(), 0.4, 0.5).unwrap();
+        let levels = pressure_levels(&motion(), &markers(), 0.4, 0.5).unwrap();
         assert_eq!(levels.len(), 2);
         assert!((levels[1].pressures[0] - 200.0).abs() < 1e-9);
         assert!((levels[1].measured[0][1] - 2e-3).abs() < 1e-12);
@@ -133,12 +139,13 @@ mod tests {
             .zip(times)
             .filter(|(_, t)| *t >= 1.0)
             .for_each(|(at, t)| at[1] += vibration(t));
-        let (held, still) = (levels(&vibrating, &markers(), 0.5, 0.5).unwrap(), vibration(1.5 + 0.03).abs().max(2e-4));
+        let (held, still) =
+            (pressure_levels(&vibrating, &markers(), 0.5, 0.5).unwrap(), vibration(1.5 + 0.03).abs().max(2e-4));
         assert!((held[0].measured[0][1] - 1e-3).abs() < 0.02 * still, "{:?}", held[0].measured);
     }
 
     #[test]
     fn a_trial_without_a_long_hold_is_refused() {
-        assert!(levels(&motion(), &markers(), 0.4, 5.0).unwrap_err().what.contains("holds no pressure"));
+        assert!(pressure_levels(&motion(), &markers(), 0.4, 5.0).unwrap_err().what.contains("holds no pressure"));
     }
 }

@@ -42,7 +42,7 @@ impl Part<Specimen> for Card {
             body: Body::of(&of.card),
             chambers: of.card.chamber.len(),
             idle: idle_chambers(of),
-            commanded: commanded(of),
+            commanded: highest_command(of),
         }
     }
 }
@@ -62,8 +62,8 @@ impl Stage for Reduce {
         context: &dyn StageContext,
     ) -> Result<Reduced> {
         let model = mesh.model(&card.body)?;
-        let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-        let top = known.max(card.commanded);
+        let highest_identified = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
+        let top = highest_identified.max(card.commanded);
         context.progress(0.1, "snapshots under pressures and loads");
         let tops: Vec<Pascal> = (0..card.chambers).map(|k| if card.idle.contains(&k) { 0.0 } else { top }).collect();
         let elastic = identified.elastic(&model);
@@ -74,17 +74,17 @@ impl Stage for Reduce {
 }
 
 /// The chambers that no trial fills: no motion of theirs is predicted, and each would take as many equilibria as one that is filled.
-pub(crate) fn idle_chambers(of: &Specimen) -> Vec<usize> {
-    let fills = |channel: &String| of.trials().iter().any(|t| t.trial.experiment.channels().contains(channel));
-    let chambers = of.card.chamber.iter().enumerate();
+pub(crate) fn idle_chambers(specimen: &Specimen) -> Vec<usize> {
+    let fills = |channel: &String| specimen.trials().iter().any(|t| t.trial.experiment.channels().contains(channel));
+    let chambers = specimen.card.chamber.iter().enumerate();
     chambers.filter(|(_, chamber)| !fills(&chamber.channel)).map(|(k, _)| k).collect()
 }
 
 /// The highest commanded pressure of the predicted motions, Pa; 0 where none is.
-fn commanded(of: &Specimen) -> Pascal {
-    let asked = |trial: &Trial| match trial.trial.experiment {
+fn highest_command(specimen: &Specimen) -> Pascal {
+    let highest_of_trial = |trial: &Trial| match trial.trial.experiment {
         Experiment::Flapping { amplitude, .. } => amplitude,
         Experiment::Staircase { .. } => trial.trial.experiment.highest_level().unwrap_or(0.0),
     };
-    of.trials().iter().filter(|t| t.is_for_validation()).map(asked).fold(0.0, f64::max)
+    specimen.trials().iter().filter(|t| t.is_for_validation()).map(highest_of_trial).fold(0.0, f64::max)
 }

@@ -67,28 +67,34 @@ impl Stage for Relaxation {
         context: &dyn StageContext,
     ) -> Result<records::Relaxation> {
         let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &mean_rest(&films));
-        let held = identified.elastic(&model);
-        let body = ReducedBody::of(&model, &held.clone().into(), &reduced.data)?;
+        let elastic = identified.elastic(&model);
+        let body = ReducedBody::of(&model, &elastic.clone().into(), &reduced.data)?;
         let observed = |(trial, motion): &(TrialId, Motion)| {
-            set.film(motion, card.tip_marker(), reduced.contact).map_err(|d| d.while_doing(&trial.0))
+            set.transient_film(motion, card.tip_marker(), reduced.contact).map_err(|d| d.while_doing(&trial.0))
         };
         let films = films.0.iter().map(observed).collect::<Result<Vec<_>>>()?;
-        let (settings, modulus_time) = (set.spectrum(), identified.modulus_time);
-        let problem =
-            SpectrumProblem { settings: &settings, model: &model, reduced: &body, held, modulus_time, films: &films };
-        let found = problem.identify(&|part| context.progress(part, "creeping"))?;
+        let (settings, modulus_time) = (set.spectrum_settings(), identified.modulus_time);
+        let problem = SpectrumProblem {
+            settings: &settings,
+            model: &model,
+            reduced: &body,
+            held: elastic,
+            modulus_time,
+            films: &films,
+        };
+        let identified_spectrum = problem.identify(&|part| context.progress(part, "creeping"))?;
         Ok(records::Relaxation {
-            spectrum: found.spectrum,
-            rmse_m: found.rmse,
-            elastic_rmse_m: found.elastic_rmse,
-            correlation_time_s: found.correlation_time,
-            transients: found.transients,
+            spectrum: identified_spectrum.spectrum,
+            rmse_m: identified_spectrum.rmse,
+            elastic_rmse_m: identified_spectrum.elastic_rmse,
+            correlation_time_s: identified_spectrum.correlation_time,
+            transients: identified_spectrum.transients,
         })
     }
 }
 
 impl Settings {
-    fn spectrum(&self) -> SpectrumSettings {
+    fn spectrum_settings(&self) -> SpectrumSettings {
         SpectrumSettings {
             times: self.times.clone(),
             branches_per_interval: self.branches_per_interval,
@@ -100,25 +106,26 @@ impl Settings {
         }
     }
 
-    fn film(&self, motion: &Motion, marker: usize, contact: Option<Pascal>) -> Result<Film> {
+    fn transient_film(&self, motion: &Motion, marker: usize, contact: Option<Pascal>) -> Result<Film> {
         let steps = TimeSteps { step: self.step, vibration: self.vibration, longest: self.longest_step };
         let exposure = self.exposure * frame_interval(&motion.time);
-        let footage = Footage { windows: self.counted(contact, windows(motion, marker)), marker, exposure };
-        Film::new(footage, simulation::gauges(motion)?, steps)
+        let footage =
+            Footage { windows: self.counted_windows(contact, command_windows(motion, marker)), marker, exposure };
+        Film::new(footage, simulation::gauge_samples(motion)?, steps)
     }
 
     /// The windows before the first level that does not count.
     // Walls that touch pass through each other in reduced coordinates, and a buckle lengthens the creep before it by a factor that depends on how
     // far its pressure is. The levels below show the same silicone.
-    fn counted(&self, contact: Option<Pascal>, windows: Vec<Window>) -> Vec<Window> {
+    fn counted_windows(&self, contact: Option<Pascal>, windows: Vec<Window>) -> Vec<Window> {
         let top = windows.iter().map(|window| window.command).fold(0.0, f64::max);
         let touching = contact.map_or(f64::INFINITY, |pressure| self.below_contact * pressure);
-        before(touching.min(self.highest_level * top), windows)
+        windows_below(touching.min(self.highest_level * top), windows)
     }
 }
 
 /// The windows before the first whose command is above the `highest` one and above the lowest of all.
-fn before(highest: Pascal, mut windows: Vec<Window>) -> Vec<Window> {
+fn windows_below(highest: Pascal, mut windows: Vec<Window>) -> Vec<Window> {
     let commands = windows.iter().map(|window| window.command).filter(|command| *command > 0.0);
     let lowest = commands.fold(f64::INFINITY, f64::min);
     let end = windows.iter().position(|window| window.command > highest.max(lowest));
@@ -127,7 +134,7 @@ fn before(highest: Pascal, mut windows: Vec<Window>) -> Vec<Window> {
 }
 
 /// The frames from each change of the command to the next, of one marker.
-fn windows(motion: &Motion, marker: usize) -> Vec<Window> {
+fn command_windows(motion: &Motion, marker: usize) -> Vec<Window> {
     let differs = |i: usize| motion.gauges.iter().any(|g| g.command[i] != g.command[i - 1]);
     let changes: Vec<usize> = (1..motion.log_time.len()).filter(|&i| differs(i)).collect();
     let end = motion.time.last().copied().unwrap_or_default();
@@ -151,7 +158,7 @@ mod tests {
         let window = |command: Pascal| Window { begin: 0.0, times: Vec::new(), seen: Vec::new(), command };
         let kept = |highest: Pascal| {
             let all = [1e4, 0.0, 1.5e4, 0.0, 2e4, 0.0, 1e4].map(window).to_vec();
-            before(highest, all).iter().map(|window| window.command).collect::<Vec<_>>()
+            windows_below(highest, all).iter().map(|window| window.command).collect::<Vec<_>>()
         };
         assert_eq!(kept(f64::INFINITY).len(), 7);
         assert_eq!(kept(1.7e4), [1e4, 0.0, 1.5e4, 0.0]);

@@ -9,7 +9,7 @@ use records::Motion;
 use sysid::actuated::onto;
 
 /// Mean and deviation of the repeats of one experiment.
-pub struct Seen {
+pub struct AlignedRepeats {
     /// Times of the first film's frames that all films cover, s on its clock.
     pub time: Vec<Second>,
     /// Mean displacement of the observed marker, m.
@@ -26,7 +26,7 @@ pub struct Seen {
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no film, or one commands nothing.
-pub fn gather(films: &[Motion], marker: usize) -> Result<Seen> {
+pub(crate) fn align_repeats(films: &[Motion], marker: usize) -> Result<AlignedRepeats> {
     let begins: Vec<Second> = films.iter().map(first_command).collect::<Result<_>>()?;
     let Some((first, begin)) = films.first().zip(begins.first()) else {
         return Err(Diagnostic::new("there is no film to compare with", "the trial has no repeats", "record one"));
@@ -37,15 +37,15 @@ pub fn gather(films: &[Motion], marker: usize) -> Result<Seen> {
     let time: Vec<Second> = first.time.iter().filter(covered).copied().collect();
     let mut paths = Vec::new();
     for (film, late) in films.iter().zip(&late) {
-        let there: Vec<Second> = time.iter().map(|t| t + late).collect();
+        let frame_times: Vec<Second> = time.iter().map(|t| t + late).collect();
         let axis = |k: usize| {
-            let at = film.markers[marker].at.iter().map(|p| p[k]).collect();
-            Samples::new(film.time.clone(), at).map_err(Diagnostic::from)
+            let coordinate = film.markers[marker].at.iter().map(|p| p[k]).collect();
+            Samples::new(film.time.clone(), coordinate).map_err(Diagnostic::from)
         };
-        paths.push(onto(&[axis(0)?, axis(1)?], &there));
+        paths.push(onto(&[axis(0)?, axis(1)?], &frame_times));
     }
-    let (mean, deviation) = (0..time.len()).map(|i| moments(&paths, i)).unzip();
-    Ok(Seen { gauges: mean_gauges(films, &late)?, moves: *begin, time, mean, deviation })
+    let (mean, deviation) = (0..time.len()).map(|i| mean_and_deviation(&paths, i)).unzip();
+    Ok(AlignedRepeats { gauges: mean_gauges(films, &late)?, moves: *begin, time, mean, deviation })
 }
 
 /// Time of the first command above zero, s.
@@ -57,7 +57,7 @@ fn first_command(film: &Motion) -> Result<Second> {
 }
 
 /// Mean and standard deviation over the repeats at one frame.
-fn moments(paths: &[Vec<Point2>], frame: usize) -> (Point2, Point2) {
+fn mean_and_deviation(paths: &[Vec<Point2>], frame: usize) -> (Point2, Point2) {
     let count = paths.len() as f64;
     let mean = [0, 1].map(|k| paths.iter().map(|p| p[frame][k]).sum::<f64>() / count);
     let square = |k: usize| paths.iter().map(|p| (p[frame][k] - mean[k]).powi(2)).sum::<f64>();
@@ -66,11 +66,12 @@ fn moments(paths: &[Vec<Point2>], frame: usize) -> (Point2, Point2) {
 }
 
 fn mean_gauges(films: &[Motion], late: &[Second]) -> Result<Vec<Samples>> {
-    let all: Vec<Vec<Samples>> = films.iter().map(simulation::gauges).collect::<Result<_>>()?;
+    let gauges_of_films: Vec<Vec<Samples>> = films.iter().map(simulation::gauge_samples).collect::<Result<_>>()?;
     let (times, count) = (&films[0].log_time, films.len() as f64);
     let mean = |chamber: usize| {
-        let at = |t: Second| all.iter().zip(late).map(|(g, l)| g[chamber].at(t + l)).sum::<f64>() / count;
-        Samples::new(times.clone(), times.iter().map(|&t| at(t)).collect()).map_err(Diagnostic::from)
+        let mean_pressure =
+            |t: Second| gauges_of_films.iter().zip(late).map(|(g, l)| g[chamber].at(t + l)).sum::<f64>() / count;
+        Samples::new(times.clone(), times.iter().map(|&t| mean_pressure(t)).collect()).map_err(Diagnostic::from)
     };
     (0..films[0].gauges.len()).map(mean).collect()
 }
@@ -95,7 +96,7 @@ mod tests {
 
     #[test]
     fn repeats_that_begin_at_other_times_are_aligned() {
-        let seen = gather(&[film(0.0, 1.0), film(0.2, 1.2)], 0).unwrap();
+        let seen = align_repeats(&[film(0.0, 1.0), film(0.2, 1.2)], 0).unwrap();
         let last = seen.time.len() - 1;
         let after = seen.time[last] - 1.0;
         assert!((seen.mean[last][1] - 1.1 * after).abs() < 1e-9, "{:?}", seen.mean[last]);

@@ -9,7 +9,7 @@ use records::Motion;
 ///
 /// # Errors
 /// A [`Diagnostic`] when the log's times do not rise.
-pub(crate) fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
+pub(crate) fn gauge_samples(motion: &Motion) -> Result<Vec<Samples>> {
     let samples = motion.gauges.iter().map(|g| Samples::new(motion.log_time.clone(), g.measured.clone()));
     samples.collect::<Result<_, _>>().map_err(Diagnostic::from)
 }

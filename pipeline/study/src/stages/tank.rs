@@ -63,14 +63,14 @@ impl Stage for Tank {
         let expected: Vec<Hertz> =
             (1..=set.modes).map(|n| wave::natural_frequency(size.length, size.depth, n)).collect();
         let still = StillWater { expected: &expected, level: set.level, limit: set.still_limit };
-        let found = wave::identify(&log.series(), &still)
+        let identified = wave::identify(&log.series(), &still)
             .map_err(|e| Diagnostic::from(e).in_file(FilePath::new(&context.display_path("still water"))))?;
         Ok(records::Tank {
-            waves: found.waves,
-            evidence: found.evidence,
+            waves: identified.waves,
+            evidence: identified.evidence,
             level: set.level,
-            noise: found.noise,
-            suppression_db: found.suppression_db,
+            noise: identified.noise,
+            suppression_db: identified.suppression_db,
             size_m: [size.length, size.depth],
             sampling,
         })
@@ -78,8 +78,8 @@ impl Stage for Tank {
 }
 
 fn no_tank() -> Diagnostic {
-    let why = "its size gives the frequencies of its standing waves";
-    Diagnostic::new("the card has no [tank]", why, "add [tank] with length and depth (m) to specimen.toml")
+    let purpose = "its size gives the frequencies of its standing waves";
+    Diagnostic::new("the card has no [tank]", purpose, "add [tank] with length and depth (m) to specimen.toml")
 }
 
 /// The file of the load cell's log of taps.
@@ -91,10 +91,10 @@ pub(super) fn read_force(
     layout: (LogKind, &card::Log),
     context: &dyn StageContext,
 ) -> Result<Logged<lab::ForceLog>> {
-    let place = context.display_path(word);
-    let text = lab::log::decoded(context.bytes(word)?, FilePath::new(&place))?;
+    let log_path = context.display_path(word);
+    let text = lab::log::decoded(context.bytes(word)?, FilePath::new(&log_path))?;
     match word {
-        TAPS => lab::force::parse_taps(&text, FilePath::new(&place), layout.1),
-        _ => lab::force::parse_as(&text, FilePath::new(&place), layout),
+        TAPS => lab::force::parse_taps(&text, FilePath::new(&log_path), layout.1),
+        _ => lab::force::parse_as(&text, FilePath::new(&log_path), layout),
     }
 }

@@ -32,10 +32,10 @@ impl Stage for Transfer {
         let alike = Layout::alike_layouts(&needs.iter().map(|(layout, _)| layout.clone()).collect::<Vec<_>>());
         let is_alike = |name: &String| alike.contains(name);
         let tails: Vec<Tail> = needs.iter().map(|(layout, t)| (layout.name.clone(), t.runs.as_slice())).collect();
-        let (tails, others): (Vec<Tail>, Vec<Tail>) = tails.into_iter().partition(|(name, _)| is_alike(name));
-        let training = set.training(set.seeds()[0]);
+        let (tails, unlike_tails): (Vec<Tail>, Vec<Tail>) = tails.into_iter().partition(|(name, _)| is_alike(name));
+        let training = set.training_settings(set.network_seeds()[0]);
         let scores = held_out(&tails, &training, &|part, text| context.progress(part, text));
-        Ok(Record { scores, left_out: others.into_iter().map(|(name, _)| name).collect() })
+        Ok(Record { scores, left_out: unlike_tails.into_iter().map(|(name, _)| name).collect() })
     }
 }
 
@@ -47,7 +47,10 @@ fn held_out(tails: &[Tail], training: &TrainingSettings, progress: &(dyn Fn(f64,
         let name = &tails[*tail].0;
         let text = format!("{} without {name}", model.name());
         let heard = |part: f64| progress((number as f64 + part) / pairs.len() as f64, &text);
-        HeldOut { tail: name.clone(), scored: judge(&Split::without(tails, *tail), *model, training, &heard) }
+        HeldOut {
+            tail: name.clone(),
+            scored: held_out_score(&Split::holding_out(tails, *tail), *model, training, &heard),
+        }
     };
     pairs.par_iter().enumerate().map(judged).collect()
 }
@@ -60,15 +63,15 @@ struct Split<'a> {
 
 impl<'a> Split<'a> {
     /// One tail is held out.
-    fn without(tails: &[Tail<'a>], out: usize) -> Self {
-        let others = tails.iter().enumerate().filter(|(tail, _)| *tail != out);
-        let train = others.flat_map(|(_, (_, runs))| runs.iter()).collect();
+    fn holding_out(tails: &[Tail<'a>], out: usize) -> Self {
+        let training_tails = tails.iter().enumerate().filter(|(tail, _)| *tail != out);
+        let train = training_tails.flat_map(|(_, (_, runs))| runs.iter()).collect();
         Self { train, test: tails[out].1.iter().collect() }
     }
 }
 
 /// Trains a model and evaluates it; `heard` receives the fraction done.
-fn judge(split: &Split, kind: ThrustModel, training: &TrainingSettings, heard: &dyn Fn(f64)) -> Scored {
+fn held_out_score(split: &Split, kind: ThrustModel, training: &TrainingSettings, heard: &dyn Fn(f64)) -> Scored {
     let Split { train, test } = split;
     let model = kind.fit(train, training, heard);
     let predicted: Vec<Vec<f64>> = test.iter().map(|run| model.predict(run)).collect();

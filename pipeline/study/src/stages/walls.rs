@@ -21,8 +21,8 @@ impl<'a> WallGauge<'a> {
     }
 
     /// Walls of the mesh with its nodes at `nodes` (m) under `pressures` (Pa, one a chamber); zero where it has no section at mid height.
-    pub fn walls(&self, pressures: &[Pascal], nodes: &[Point3]) -> Walls {
-        self.section.as_ref().map_or(Walls::default(), |s| s.walls(nodes, self.lies_left(fullest(pressures))))
+    pub(crate) fn walls_of_shape(&self, pressures: &[Pascal], nodes: &[Point3]) -> Walls {
+        self.section.as_ref().map_or(Walls::default(), |s| s.walls(nodes, self.lies_left(fullest_chamber(pressures))))
     }
 
     /// What measures the simulated levels of a search.
@@ -34,32 +34,35 @@ impl<'a> WallGauge<'a> {
     fn critical_pressure(&self, levels: &[PressureLevel], simulated: &[SimulatedLevel]) -> Option<Pascal> {
         let mut sides: Vec<(usize, Vec<(Pascal, Metre)>)> = Vec::new();
         for (level, shape) in levels.iter().zip(simulated) {
-            let (chamber, point) = (fullest(&level.pressures), (level.top(), self.dent(level, shape)));
-            match sides.iter_mut().find(|(other, _)| *other == chamber) {
+            let (chamber, point) = (fullest_chamber(&level.pressures), (level.top(), self.wall_dent(level, shape)));
+            match sides.iter_mut().find(|(known, _)| *known == chamber) {
                 Some((_, points)) => points.push(point),
                 None => sides.push((chamber, vec![(0.0, 0.0), point])),
             }
         }
-        let each: Option<Vec<Pascal>> = sides.into_iter().map(|(_, points)| buckles_at(points)).collect();
-        each.filter(|all| !all.is_empty()).map(|all| all.iter().sum::<Pascal>() / all.len() as f64)
+        let buckling_pressures: Option<Vec<Pascal>> = sides.into_iter().map(|(_, points)| buckles_at(points)).collect();
+        buckling_pressures
+            .filter(|pressures| !pressures.is_empty())
+            .map(|pressures| pressures.iter().sum::<Pascal>() / pressures.len() as f64)
     }
 
-    fn dent(&self, level: &PressureLevel, shape: &SimulatedLevel) -> Metre {
-        let moved = shape.displacement.as_chunks::<3>().0;
-        let nodes: Vec<Point3> = self.mesh.solid.nodes.iter().zip(moved).map(|(&x, &u)| vec3::add(x, u)).collect();
-        self.walls(&level.pressures, &nodes).dent_m
+    fn wall_dent(&self, level: &PressureLevel, shape: &SimulatedLevel) -> Metre {
+        let displacement = shape.displacement.as_chunks::<3>().0;
+        let nodes: Vec<Point3> =
+            self.mesh.solid.nodes.iter().zip(displacement).map(|(&x, &u)| vec3::add(x, u)).collect();
+        self.walls_of_shape(&level.pressures, &nodes).dent_m
     }
 
     /// Whether a chamber lies at positive y.
     fn lies_left(&self, chamber: usize) -> bool {
         let (solid, cavity) = (&self.mesh.solid, self.mesh.chambers[chamber].skin);
-        let on = solid.skin.iter().filter(|f| f.on == mesh::Skin::Chamber(cavity));
-        on.map(|f| solid.nodes[f.nodes()[0] as usize][1]).sum::<f64>() > 0.0
+        let faces_of_chamber = solid.skin.iter().filter(|f| f.on == mesh::Skin::Chamber(cavity));
+        faces_of_chamber.map(|f| solid.nodes[f.nodes()[0] as usize][1]).sum::<f64>() > 0.0
     }
 }
 
 /// The chamber of the highest pressure.
-fn fullest(pressures: &[Pascal]) -> usize {
+fn fullest_chamber(pressures: &[Pascal]) -> usize {
     (0..pressures.len()).max_by(|a, b| pressures[*a].total_cmp(&pressures[*b])).unwrap_or(0)
 }
 
@@ -86,6 +89,6 @@ mod tests {
 
     #[test]
     fn the_chamber_of_the_highest_pressure_is_the_filled_one() {
-        assert_eq!((fullest(&[0.0, 2e4, 1e4]), fullest(&[])), (1, 0));
+        assert_eq!((fullest_chamber(&[0.0, 2e4, 1e4]), fullest_chamber(&[])), (1, 0));
     }
 }

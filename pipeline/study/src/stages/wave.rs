@@ -9,7 +9,7 @@ use std::path::Path;
 use lab::Logged;
 use lab::card::{Experiment, LogKind};
 use serde::{Deserialize, Serialize};
-use si::{Hertz, Second, Series};
+use si::{Hertz, Newton, Second, Series};
 use signal::edge::{self, Window};
 use signal::wave::{self, Beat, Removal};
 use signal::zero::Zero;
@@ -51,7 +51,7 @@ pub struct Card {
 impl Part<Trial> for Card {
     fn part_of(of: &Trial) -> Self {
         let one_clock = of.trial.video.is_none();
-        Self { frequency: beat(&of.trial.experiment), one_clock, log: of.card.log.clone() }
+        Self { frequency: flapping_frequency(&of.trial.experiment), one_clock, log: of.card.log.clone() }
     }
 }
 
@@ -76,51 +76,67 @@ impl Stage for Wave {
         let Logged { log, sampling } = read_force("force", (LogKind::Force, &card.log), context)?;
         // The lamp is read at once; the force is shown after the cell's own lag.
         let lag = [card.log.force_lag.unwrap_or(0.0), card.log.force_lag_sigma];
-        let offset = if card.one_clock { 0.0 } else { lamp(&log, context)? - motion.clock.lamp };
+        let offset = if card.one_clock { 0.0 } else { lamp_time(&log, context)? - motion.clock.lamp };
         let on_film = Series::new(log.time[0] - offset - lag[0], log.rate(), log.force.clone())?;
-        let commanded = commanded(&motion).unwrap_or([on_film.start(), on_film.end()]);
-        covers(&on_film, commanded, context)?;
+        let commanded = command_span(&motion).unwrap_or([on_film.start(), on_film.end()]);
+        check_coverage(&on_film, commanded, context)?;
         let beat = card.frequency.map(|frequency| Beat { frequency, harmonics: set.harmonics, within: commanded });
         let waves = tank.map_or(Vec::new(), |t| t.waves);
         let length = on_film.end() - on_film.start();
-        let near =
+        let close_harmonics =
             beat.map_or(Vec::new(), |b| wave::close_harmonics(b.frequency, set.guarded_harmonics, &waves, length));
-        let onsets = [on_film.start()];
-        // a staircase is not periodic: its force would be taken for a wave
-        let (rest, found) = match beat {
-            None => (on_film.clone(), vec![0.0; on_film.values().len()]),
-            Some(_) => {
-                let parted = wave::remove(&on_film, &waves, &Removal { onsets: &onsets, beat, drift_degree: 2 })
-                    .map_err(|e| named(context, e))?;
-                (parted.rest, parted.waves)
-            }
-        };
-        let time: Vec<Second> = (0..rest.values().len()).map(|i| rest.time(i)).collect();
-        let zero = Zero { moves: commanded, settling: set.settling_time }.of(&rest).values;
-        let warnings = near.iter().map(ToString::to_string).collect();
-        Ok(CorrectedForce { time, raw: log.force, waves: found, zero, offset, commanded, lag, sampling, warnings })
+        let (without_waves, fitted_waves) =
+            without_waves(&on_film, &waves, beat).map_err(|e| in_force_log(context, e))?;
+        let time: Vec<Second> = (0..without_waves.values().len()).map(|i| without_waves.time(i)).collect();
+        let zero = Zero { moves: commanded, settling: set.settling_time }.of(&without_waves).values;
+        let warnings = close_harmonics.iter().map(ToString::to_string).collect();
+        Ok(CorrectedForce {
+            time,
+            raw: log.force,
+            waves: fitted_waves,
+            zero,
+            offset,
+            commanded,
+            lag,
+            sampling,
+            warnings,
+        })
     }
 }
 
+/// A force log without the tank's waves, and the waves, N.
+fn without_waves(
+    on_film: &Series,
+    waves: &[wave::Wave],
+    beat: Option<Beat>,
+) -> Result<(Series, Vec<Newton>), signal::EstimationError> {
+    // a staircase is not periodic: its force would be taken for a wave
+    if beat.is_none() {
+        return Ok((on_film.clone(), vec![0.0; on_film.values().len()]));
+    }
+    let removal = Removal { onsets: &[on_film.start()], beat, drift_degree: 2 };
+    wave::remove(on_film, waves, &removal).map(|parted| (parted.rest, parted.waves))
+}
+
 /// Holds that a force log lasts from the first command to the last: of a part of a trial the mean force is not that of the trial.
-fn covers(on_film: &Series, [first, last]: [Second; 2], context: &dyn StageContext) -> Result<()> {
+fn check_coverage(on_film: &Series, [first, last]: [Second; 2], context: &dyn StageContext) -> Result<()> {
     // Both clocks are synchronised to a fraction of the force log's step.
     let step = 1.0 / on_film.rate();
     if on_film.start() <= first + step && on_film.end() >= last - step {
         return Ok(());
     }
-    let what = format!("the log lasts from {:.3} to {:.3} s of the film", on_film.start(), on_film.end());
-    let why = format!("pressure is commanded from {first:.3} to {last:.3} s");
+    let log_span = format!("the log lasts from {:.3} to {:.3} s of the film", on_film.start(), on_film.end());
+    let command_span = format!("pressure is commanded from {first:.3} to {last:.3} s");
     Err(Diagnostic::file(
         Path::new(&context.display_path("force")),
-        what,
-        why,
+        log_span,
+        command_span,
         "copy the log again, or record the trial again",
     ))
 }
 
 /// The frequency of a flapping trial, Hz.
-fn beat(experiment: &Experiment) -> Option<f64> {
+fn flapping_frequency(experiment: &Experiment) -> Option<f64> {
     match experiment {
         Experiment::Flapping { frequency, .. } => Some(*frequency),
         Experiment::Staircase { .. } => None,
@@ -128,31 +144,31 @@ fn beat(experiment: &Experiment) -> Option<f64> {
 }
 
 /// When the lamp lights, s on the log's clock.
-fn lamp(log: &lab::ForceLog, context: &dyn StageContext) -> Result<Second> {
-    let place = context.display_path("force");
+fn lamp_time(log: &lab::ForceLog, context: &dyn StageContext) -> Result<Second> {
+    let log_path = context.display_path("force");
     if log.led.is_empty() {
-        let why = "its clock is synchronised with the film's by the lamp alone";
+        let purpose = "its clock is synchronised with the film's by the lamp alone";
         return Err(Diagnostic::new(
-            format!("{place} has no column `led`"),
-            why,
+            format!("{log_path} has no column `led`"),
+            purpose,
             "record the lamp on the amplifier too",
         ));
     }
     let width = 1.0 / log.rate();
     let series = Series::new(log.time[0], log.rate(), log.led.clone())?;
     let edges = edge::edges(&series, Window { lead: 0.5 * width, width })
-        .map_err(|e| Diagnostic::from(e).while_doing(format!("{place}, the lamp")))?;
+        .map_err(|e| Diagnostic::from(e).while_doing(format!("{log_path}, the lamp")))?;
     Ok(edges[0].time)
 }
 
 /// First and last time at which pressure is commanded.
-fn commanded(motion: &Motion) -> Option<[Second; 2]> {
-    let asked = |i: &usize| motion.gauges.iter().any(|g| g.command[*i] > 0.0);
-    let first = (0..motion.log_time.len()).find(asked)?;
-    let last = (0..motion.log_time.len()).rev().find(asked)?;
+fn command_span(motion: &Motion) -> Option<[Second; 2]> {
+    let is_commanded = |i: &usize| motion.gauges.iter().any(|g| g.command[*i] > 0.0);
+    let first = (0..motion.log_time.len()).find(is_commanded)?;
+    let last = (0..motion.log_time.len()).rev().find(is_commanded)?;
     Some([motion.log_time[first], motion.log_time[last]])
 }
 
-fn named(context: &dyn StageContext, error: signal::EstimationError) -> Diagnostic {
+fn in_force_log(context: &dyn StageContext, error: signal::EstimationError) -> Diagnostic {
     Diagnostic::from(error).while_doing(context.display_path("force"))
 }

@@ -23,7 +23,7 @@ impl Table for Coverage {
         records::Calibration::is_made_for(study)
     }
 
-    fn fill(found: Self::Needs) -> Result<plot::Table> {
+    fn fill(calibration: Self::Needs) -> Result<plot::Table> {
         let stated = HALF_WIDTHS.map(|(share, _)| format!("in {:.0} %", 100.0 * share));
         let columns = vec![
             Column::text("quantity"),
@@ -35,17 +35,17 @@ impl Table for Coverage {
             Column::numbers("bounds", "%"),
             Column::numbers("mean error / σ", ""),
         ];
-        let kinds = found.kinds.iter().cloned().chain([found.all()]);
-        let table = plot::Table::new(columns, kinds.map(|kind| row(&kind, found.specimens)).collect())?;
+        let kinds = calibration.kinds.iter().cloned().chain([calibration.all()]);
+        let table = plot::Table::new(columns, kinds.map(|kind| quantity_row(&kind, calibration.specimens)).collect())?;
         let note = format!(
             "{} specimens. Bounds (95 %) count the estimates of one specimen as one; errors are those of logarithms.",
-            found.specimens
+            calibration.specimens
         );
         Ok(table.noted(&note))
     }
 }
 
-fn row(kind: &Counted, specimens: usize) -> Vec<String> {
+fn quantity_row(kind: &Counted, specimens: usize) -> Vec<String> {
     let mut cells = vec![kind.title.clone(), kind.errors.len().to_string()];
     cells.push(if kind.sigma.is_nan() { String::new() } else { format!("{:.1}", 100.0 * kind.sigma) });
     for (_, half) in HALF_WIDTHS {
@@ -64,6 +64,6 @@ mod tests {
     fn a_row_has_both_shares_with_their_bounds_and_the_mean_error() {
         let errors = vec![0.5, -0.5, 1.5, 0.5];
         let kind = Counted { name: "drag".into(), title: "drag".into(), errors, sigma: 0.1 };
-        assert_eq!(row(&kind, 4), ["drag", "4", "10.0", "75", "30 to 95", "100", "51 to 100", "+0.50"]);
+        assert_eq!(quantity_row(&kind, 4), ["drag", "4", "10.0", "75", "30 to 95", "100", "51 to 100", "+0.50"]);
     }
 }

@@ -30,14 +30,14 @@ impl Table for Ingredients {
         Every::<Validation>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(validations): Self::Needs) -> Result<plot::Table> {
         let medium = |wet: bool| {
             let word = if wet { "in water" } else { "in air" };
             [Column::numbers(&format!("{word}, mean"), "%"), Column::numbers(&format!("{word}, worst"), "%")]
         };
         let columns = std::iter::once(Column::text("model")).chain(medium(false)).chain(medium(true)).collect();
         let rows = MODELS.map(|(name, title)| {
-            let [air, water] = [false, true].map(|wet| errors(&all, name, wet));
+            let [air, water] = [false, true].map(|wet| model_errors(&validations, name, wet));
             std::iter::once(title.to_owned()).chain(mean_and_worst(&air)).chain(mean_and_worst(&water)).collect()
         });
         let table = plot::Table::new(columns, rows.to_vec())?;
@@ -46,12 +46,16 @@ impl Table for Ingredients {
 }
 
 /// Errors of a model over the trials in a medium, % of the length.
-fn errors(all: &[(Trial, Validation)], name: &str, wet: bool) -> Vec<f64> {
-    let of = |found: &Validation| {
-        let model = found.scored.iter().find(|model| model.name == name)?;
-        Some(100.0 * model.rmse / found.length)
+fn model_errors(validations: &[(Trial, Validation)], name: &str, wet: bool) -> Vec<f64> {
+    let relative_error = |validation: &Validation| {
+        let model = validation.scored.iter().find(|model| model.name == name)?;
+        Some(100.0 * model.rmse / validation.length)
     };
-    all.iter().filter(|(trial, _)| trial.is_in_water() == wet).filter_map(|(_, found)| of(found)).collect()
+    validations
+        .iter()
+        .filter(|(trial, _)| trial.is_in_water() == wet)
+        .filter_map(|(_, validation)| relative_error(validation))
+        .collect()
 }
 
 fn mean_and_worst(errors: &[f64]) -> [String; 2] {

@@ -19,7 +19,7 @@ impl Table for MeshSensitivity {
     const CAPTION: &'static str = "identified moduli depend on the mesh";
     const VERSION: u32 = 3;
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(sensitivities): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("specimen"),
             Column::text("edge"),
@@ -29,7 +29,8 @@ impl Table for MeshSensitivity {
         let moduli = [("E of the body", "MPa"), ("E of the spine", "GPa")];
         let pairs = moduli.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
         let columns = columns.into_iter().chain(pairs).chain([Column::numbers("loss", "")]).collect();
-        let rows = all.iter().flat_map(|(s, honest)| honest.rows.iter().map(|r| row(&s.name(), r)));
+        let rows =
+            sensitivities.iter().flat_map(|(s, sensitivity)| sensitivity.rows.iter().map(|r| mesh_row(&s.name(), r)));
         let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted(
             "Identified on tetrahedra from the levels up to a fraction of the highest pressure, on hexahedra, graded towards thin walls with cells shorter than \
@@ -38,14 +39,14 @@ impl Table for MeshSensitivity {
     }
 }
 
-fn row(specimen: &str, r: &MeshResult) -> Vec<String> {
+fn mesh_row(specimen: &str, r: &MeshResult) -> Vec<String> {
     vec![
         specimen.to_owned(),
         r.cells.size(),
         r.cells.nodes().to_string(),
         r.dofs.to_string(),
         format!("{:.4}", 1e-6 * r.at[0]),
-        published(specimen).to_owned(),
+        published_modulus(specimen).to_owned(),
         format!("{:.3}", 1e-9 * r.at[1]),
         "2.5–5".to_owned(),
         format!("{:.2e}", r.loss),
@@ -53,7 +54,7 @@ fn row(specimen: &str, r: &MeshResult) -> Vec<String> {
 }
 
 /// Typical Young's moduli of the silicone in the paper's table I, MPa.
-fn published(specimen: &str) -> &'static str {
+fn published_modulus(specimen: &str) -> &'static str {
     match specimen {
         "nemo" | "dory" => "0.1–0.25",
         "bruce" => "1.1",

@@ -3,7 +3,7 @@
 use optimize::optimisers;
 use plot::Column;
 
-use crate::figures::order::title;
+use crate::figures::order::capitalised;
 use diagnostics::Result;
 use records::subject::{Specimen, Study};
 use records::{MethodComparison, Search};
@@ -24,7 +24,7 @@ impl Table for Methods {
     const CAPTION: &'static str = "cost and result of each identification method";
     const VERSION: u32 = 4;
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(comparisons): Self::Needs) -> Result<plot::Table> {
         let quantities = [("iterations", ""), ("time an iteration", "s"), ("total time", "min"), ("loss after 4", "")];
         let pairs = quantities.iter().flat_map(|(title, unit)| {
             let [ours, published] = Column::beside_published(title, unit);
@@ -32,23 +32,26 @@ impl Table for Methods {
             [if unit.is_empty() { ours } else { ours.of_durations() }, published]
         });
         let columns = [Column::text("specimen"), Column::text("method")].into_iter().chain(pairs).collect();
-        let rows = all.iter().flat_map(|(s, found)| found.searches.iter().map(|search| row(&s.name(), search)));
+        let rows = comparisons
+            .iter()
+            .flat_map(|(s, comparison)| comparison.searches.iter().map(|search| method_row(&s.name(), search)));
         let table = plot::Table::new(columns, rows.collect())?;
-        Ok(table.noted(&note(all.iter().map(|(_, one)| one))))
+        Ok(table.noted(&cost_note(comparisons.iter().map(|(_, comparison)| comparison))))
     }
 }
 
 /// What an iteration is, and in what.
-fn note<'a>(all: impl Iterator<Item = &'a MethodComparison>) -> String {
-    let whole: Vec<String> = all.map(|one| format!("{:.0} s", one.whole_seconds)).collect();
+fn cost_note<'a>(comparisons: impl Iterator<Item = &'a MethodComparison>) -> String {
+    let whole_body_seconds: Vec<String> =
+        comparisons.map(|comparison| format!("{:.0} s", comparison.whole_seconds)).collect();
     format!(
         "An iteration is one simulation of all pressure levels in a reduced model, certified by the whole body, which takes {} of one core. This \
          study: two cores, virtual bench.",
-        whole.join(" or ")
+        whole_body_seconds.join(" or ")
     )
 }
 
-fn row(specimen: &str, search: &Search) -> Vec<String> {
+fn method_row(specimen: &str, search: &Search) -> Vec<String> {
     let each = search.seconds / search.iterations().max(1) as f64;
     let ours = [
         search.iterations().to_string(),
@@ -56,13 +59,13 @@ fn row(specimen: &str, search: &Search) -> Vec<String> {
         format!("{:.2}", search.seconds / 60.0),
         format!("{:.2e}", search.loss_after(5)),
     ];
-    let published = published(&search.method).0;
+    let published = published_cost(&search.method).0;
     let pairs = ours.into_iter().zip(published).flat_map(|(a, b)| [a, b.to_string()]);
-    [specimen.to_string(), title(optimisers::title_of(&search.method))].into_iter().chain(pairs).collect()
+    [specimen.to_string(), capitalised(optimisers::title_of(&search.method))].into_iter().chain(pairs).collect()
 }
 
 /// The paper's table III; empty where it has no such method.
-fn published(method: &str) -> Published {
+fn published_cost(method: &str) -> Published {
     Published(match method {
         "adam" => ["4", "334.4", "22", "0.0027"],
         "cma_es" => ["40", "321.0", "214", "0.021"],
@@ -78,6 +81,6 @@ mod tests {
     #[test]
     fn the_note_says_how_long_the_whole_body_takes() {
         let on = |whole_seconds| MethodComparison { whole_seconds, ..MethodComparison::default() };
-        assert!(note([on(61.2), on(30.0)].iter()).contains("which takes 61 s or 30 s of one core."));
+        assert!(cost_note([on(61.2), on(30.0)].iter()).contains("which takes 61 s or 30 s of one core."));
     }
 }

@@ -26,7 +26,7 @@ impl Table for OptimalActuation {
         Every::<records::OptimalActuation>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(actuations): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("specimen"),
             Column::text("thrust model"),
@@ -39,28 +39,31 @@ impl Table for OptimalActuation {
             Column::numbers("simulations", ""),
             Column::numbers("amplitude error", "%"),
         ];
-        let rows = all.iter().flat_map(|(s, found)| found.best.iter().map(|best| row(&s.name(), found, best)));
+        let rows = actuations
+            .iter()
+            .flat_map(|(s, actuation)| actuation.best.iter().map(|best| actuation_row(&s.name(), actuation, best)));
         let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted( "Predictions. Amplitude ratio: over the largest filmed amplitude; above 1 is extrapolation. Amplitude error: simulated against filmed, same pressures.", ))
     }
 }
 
-fn row(specimen: &str, found: &records::OptimalActuation, best: &Best) -> Vec<String> {
-    let [slow, fast] = found.frequencies_hz;
+fn actuation_row(specimen: &str, actuation: &records::OptimalActuation, best: &Best) -> Vec<String> {
+    let [slow, fast] = actuation.frequencies_hz;
     let mbar = |p: f64| format!("{:.0}", p / si::MILLIBAR);
     let wave = best.wave();
-    let evaluated =
-        |of: fn(&ActuationPoint) -> f64, digits: usize| wave.map_or(String::new(), |w| format!("{:.digits$}", of(w)));
+    let evaluated = |value: fn(&ActuationPoint) -> f64, digits: usize| {
+        wave.map_or(String::new(), |w| format!("{:.digits$}", value(w)))
+    };
     vec![
         specimen.to_owned(),
         best.model.clone(),
-        mbar(found.highest_pa),
+        mbar(actuation.highest_pa),
         format!("{slow:.1} to {fast:.1}"),
         wave.map_or(String::new(), |w| mbar(w.amplitude_pa)),
         evaluated(|w| w.frequency_hz, 2),
         evaluated(|w| 1e3 * w.thrust_n[0], 0),
         format!("{:.1}", best.amplitude_ratio),
         format!("{}", best.simulations),
-        format!("{:+.0}", found.check.amplitude_error_percent()),
+        format!("{:+.0}", actuation.check.amplitude_error_percent()),
     ]
 }

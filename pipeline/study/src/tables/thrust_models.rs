@@ -23,7 +23,7 @@ impl Table for ThrustModels {
         Every::<Thrust>::any(study)
     }
 
-    fn fill((Every(all), Maybe(transfer)): Self::Needs) -> Result<plot::Table> {
+    fn fill((Every(thrusts), Maybe(transfer)): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("specimen"),
             Column::text("held out by"),
@@ -36,12 +36,12 @@ impl Table for ThrustModels {
             Column::numbers("phase", "°"),
             Column { published: true, ..Column::text("published") },
         ];
-        let across = transfer.iter().flat_map(|t| &t.scores);
-        let rows = all.iter().flat_map(|(specimen, thrust)| {
+        let transfer_scores = transfer.iter().flat_map(|t| &t.scores);
+        let rows = thrusts.iter().flat_map(|(specimen, thrust)| {
             let name = specimen.name();
-            let across: Vec<&Scored> =
-                across.clone().filter(|held| held.tail == name).map(|held| &held.scored).collect();
-            thrust.scores.iter().chain(across).map(|scored| row(&name, scored)).collect::<Vec<_>>()
+            let held_out_scores: Vec<&Scored> =
+                transfer_scores.clone().filter(|held| held.tail == name).map(|held| &held.scored).collect();
+            thrust.scores.iter().chain(held_out_scores).map(|scored| score_row(&name, scored)).collect::<Vec<_>>()
         });
         let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted(
@@ -50,27 +50,27 @@ impl Table for ThrustModels {
     }
 }
 
-fn row(specimen: &str, scored: &Scored) -> Vec<String> {
+fn score_row(specimen: &str, scored: &Scored) -> Vec<String> {
     let s = &scored.score;
     let model =
         if scored.seed == 0 { scored.model.clone() } else { format!("{}, seed {}", scored.model, scored.seed + 1) };
-    let between = |[low, high]: [f64; 2], digits: usize| format!("{low:.digits$} to {high:.digits$}");
+    let interval_text = |[low, high]: [f64; 2], digits: usize| format!("{low:.digits$} to {high:.digits$}");
     vec![
         specimen.to_owned(),
         scored.split_rule.clone(),
         model,
         format!("{:.3}", s.nrmse),
-        between(s.nrmse_interval, 3),
+        interval_text(s.nrmse_interval, 3),
         format!("{:.3}", s.r2),
         format!("{:.1}", s.mean_error_percent),
-        between(s.mean_interval_percent, 1),
+        interval_text(s.mean_interval_percent, 1),
         format!("{:.0}", s.phase_deg),
-        published(specimen, scored).to_owned(),
+        published_statement(specimen, scored).to_owned(),
     ]
 }
 
 /// The paper's statement on a model's mean force on the held-out runs; it gives no NRMSE.
-fn published(specimen: &str, scored: &Scored) -> &'static str {
+fn published_statement(specimen: &str, scored: &Scored) -> &'static str {
     match (specimen, scored.split_rule.as_str(), scored.model.as_str()) {
         ("nemo", "card", "network") => "follows the force",
         ("bruce", "card", "network") => "nearly twice the force",

@@ -31,7 +31,7 @@ impl Table for Validation {
         Every::<records::Validation>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(validations): Self::Needs) -> Result<plot::Table> {
         let head = [
             Column::text("specimen"),
             Column::text("medium"),
@@ -39,29 +39,30 @@ impl Table for Validation {
             Column::numbers("repeats", ""),
         ];
         let ours = [Column::numbers("RMSE", "mm"), Column::numbers("of length", "%"), Column::numbers("lag", "ms")];
-        let others = OTHERS.map(|(_, title)| Column::numbers(title, "%"));
-        let columns = head.into_iter().chain(ours).chain(others).collect();
-        let rows = in_order(all).iter().map(|(trial, found)| row(trial, found)).collect();
+        let other_columns = OTHERS.map(|(_, title)| Column::numbers(title, "%"));
+        let columns = head.into_iter().chain(ours).chain(other_columns).collect();
+        let rows = in_order(validations).iter().map(|(trial, validation)| trial_row(trial, validation)).collect();
         let table = plot::Table::new(columns, rows)?;
         Ok(table.noted("Of the tip marker, against the mean of the repeats. RMSE: viscoelastic, second order; elastic: without relaxation; paper's model: elastic, no damping, no water, implicit Euler. In water the others have the identified added mass and drag."))
     }
 }
 
-fn row(trial: &Trial, found: &records::Validation) -> Vec<String> {
-    let percent = |rmse: f64| format!("{:.2}", 100.0 * rmse / found.length);
-    let ways = || found.scored.iter().chain(&found.baselines);
-    let by = |name: &str| ways().find(|way| way.name == name).map_or(String::new(), |way| percent(way.rmse));
+fn trial_row(trial: &Trial, validation: &records::Validation) -> Vec<String> {
+    let percent = |rmse: f64| format!("{:.2}", 100.0 * rmse / validation.length);
+    let models = || validation.scored.iter().chain(&validation.baselines);
+    let error_of_model =
+        |name: &str| models().find(|model| model.name == name).map_or(String::new(), |model| percent(model.rmse));
     let condition = trial.condition();
     let condition = condition.trim_end_matches("_water").replace("mbar_", " mbar ").replace("hz", " Hz");
     let mut cells = vec![
         trial.card.name.clone(),
         trial.trial.medium.word().to_owned(),
         condition,
-        found.repeats.to_string(),
-        format!("{:.2}", 1e3 * found.rmse),
-        percent(found.rmse),
-        found.lag.map_or(String::new(), |lag| format!("{:+.1}", 1e3 * lag)),
+        validation.repeats.to_string(),
+        format!("{:.2}", 1e3 * validation.rmse),
+        percent(validation.rmse),
+        validation.lag.map_or(String::new(), |lag| format!("{:+.1}", 1e3 * lag)),
     ];
-    cells.extend(OTHERS.map(|(name, _)| by(name)));
+    cells.extend(OTHERS.map(|(name, _)| error_of_model(name)));
     cells
 }

@@ -25,7 +25,7 @@ impl Table for WaveformThrust {
         Every::<records::OptimalActuation>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+    fn fill(Every(actuations): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("specimen"),
             Column::text("actuation"),
@@ -36,35 +36,39 @@ impl Table for WaveformThrust {
             Column::numbers("thrust per air", "mN s/ml"),
             Column::numbers("tip amplitude", "mm"),
         ];
-        let found = all.iter().filter_map(|(s, found)| Some((s.name(), found.waveforms.as_ref()?)));
-        let table = plot::Table::new(columns, found.flat_map(|(name, found)| rows(&name, found)).collect())?;
+        let waveforms = actuations.iter().filter_map(|(s, actuation)| Some((s.name(), actuation.waveforms.as_ref()?)));
+        let table = plot::Table::new(
+            columns,
+            waveforms.flat_map(|(name, waveforms)| specimen_rows(&name, waveforms)).collect(),
+        )?;
         Ok(table
             .noted("Predictions by theory on the simulated motion, over the thrust of a tail at rest. Pressure: the highest behind the valve. Air: at ambient pressure."))
     }
 }
 
-fn rows(specimen: &str, found: &OptimalWaveforms) -> Vec<Vec<String>> {
-    let recorded = row(specimen, &format!("recorded, {}", found.recorded.name.replace('_', " ")), &found.recorded);
+fn specimen_rows(specimen: &str, waveforms: &OptimalWaveforms) -> Vec<Vec<String>> {
+    let recorded =
+        flap_row(specimen, &format!("recorded, {}", waveforms.recorded.name.replace('_', " ")), &waveforms.recorded);
     let pair = |o: &::thrust::optimal_waveform::OptimalWaveform| {
         let goal = format!("most {}", o.flap.name.replace('_', " "));
         [
-            row(specimen, &format!("square wave, {goal}"), &o.square),
-            row(specimen, &format!("waveform, {goal}"), &o.flap),
+            flap_row(specimen, &format!("square wave, {goal}"), &o.square),
+            flap_row(specimen, &format!("waveform, {goal}"), &o.flap),
         ]
     };
-    std::iter::once(recorded).chain(found.optima.iter().flat_map(pair)).collect()
+    std::iter::once(recorded).chain(waveforms.optima.iter().flat_map(pair)).collect()
 }
 
-fn row(specimen: &str, name: &str, flap: &Flap) -> Vec<String> {
-    let of = &flap.performed;
+fn flap_row(specimen: &str, name: &str, flap: &Flap) -> Vec<String> {
+    let performed = &flap.performed;
     vec![
         specimen.to_owned(),
         name.to_owned(),
-        format!("{:.0}", of.highest_pa / si::MILLIBAR),
-        format!("{:.2}", of.frequency_hz),
-        format!("{:.1}", 1e3 * of.thrust_n),
-        format!("{:.1}", 1e6 * of.air_m3_s),
-        format!("{:.2}", 1e-3 * of.thrust_per_air()),
-        format!("{:.1}", 1e3 * of.amplitude_m),
+        format!("{:.0}", performed.highest_pa / si::MILLIBAR),
+        format!("{:.2}", performed.frequency_hz),
+        format!("{:.1}", 1e3 * performed.thrust_n),
+        format!("{:.1}", 1e6 * performed.air_m3_s),
+        format!("{:.2}", 1e-3 * performed.thrust_per_air()),
+        format!("{:.1}", 1e3 * performed.amplitude_m),
     ]
 }

@@ -39,7 +39,7 @@ impl Shared {
     }
 
     /// J C Jᵀ
-    fn carried(&self, slope: &[Point2; ERROR_SOURCES]) -> Covariance2 {
+    fn covariance_along(&self, slope: &[Point2; ERROR_SOURCES]) -> Covariance2 {
         let mut sum = [0.0; 3];
         for (row, a) in self.0.iter().zip(slope) {
             for (c, b) in row.iter().zip(slope) {
@@ -53,43 +53,48 @@ impl Shared {
 }
 
 /// The full covariance of a marker's positions, and its contributions: frames each.
-pub fn all(
-    sight: &RefractiveCamera,
+pub(crate) fn marker_covariances(
+    camera_model: &RefractiveCamera,
     path: &Path,
     height: Metre,
     sources: &UncertaintySources,
 ) -> Result<(Vec<Covariance2>, CovarianceParts)> {
-    let (mut whole, mut parts, mut first) = (Vec::new(), CovarianceParts::default(), None);
+    let (mut totals, mut parts, mut first) = (Vec::new(), CovarianceParts::default(), None);
     for (frame, (&pixel, spread)) in path.at.iter().zip(&path.spread).enumerate() {
-        let (by_pixel, by_error_sources) = (sight.by_pixel(pixel, height), sight.by_error_sources(pixel, height));
+        let (by_pixel, by_error_sources) =
+            (camera_model.by_pixel(pixel, height), camera_model.by_error_sources(pixel, height));
         let (Some(by_pixel), Some(by_error_sources)) = (by_pixel, by_error_sources) else {
             return Err(no_ray(&path.name, frame, pixel));
         };
-        let noise = sum(carried(by_pixel, spread), rippled(sight, height, sources.ripple));
+        let noise = covariance_sum(
+            mapped_covariance(by_pixel, spread),
+            ripple_covariance(camera_model, height, sources.ripple),
+        );
         let first = first.get_or_insert(by_error_sources);
         let since: [Point2; ERROR_SOURCES] =
             std::array::from_fn(|i| [by_error_sources[i][0] - first[i][0], by_error_sources[i][1] - first[i][1]]);
         let mark = [sources.mark.powi(2), 0.0, sources.mark.powi(2)];
-        whole.push(sum(sum(noise, mark), sources.shared.carried(&by_error_sources)));
+        totals.push(covariance_sum(covariance_sum(noise, mark), sources.shared.covariance_along(&by_error_sources)));
         parts.noise.push(noise);
-        parts.shared.push(sum(sources.shared.carried(&since), mark));
+        parts.shared.push(covariance_sum(sources.shared.covariance_along(&since), mark));
     }
-    Ok((whole, parts))
+    Ok((totals, parts))
 }
 
 /// A slope s of the surface shifts the image of a point at depth d by d (1 − 1/n) s; half its square falls on each axis.
-fn rippled(sight: &RefractiveCamera, height: Metre, ripple: Radian) -> Covariance2 {
-    let moved = sight.water.map_or(0.0, |w| (w.surface - height).max(0.0) * (1.0 - 1.0 / w.index) * ripple);
-    [0.5 * moved * moved, 0.0, 0.5 * moved * moved]
+fn ripple_covariance(camera_model: &RefractiveCamera, height: Metre, ripple: Radian) -> Covariance2 {
+    let image_shift =
+        camera_model.water.map_or(0.0, |w| (w.surface - height).max(0.0) * (1.0 - 1.0 / w.index) * ripple);
+    [0.5 * image_shift * image_shift, 0.0, 0.5 * image_shift * image_shift]
 }
 
 /// J C Jᵀ
-fn carried(j: [[f64; 2]; 2], [xx, xy, yy]: &Covariance2) -> Covariance2 {
+fn mapped_covariance(j: [[f64; 2]; 2], [xx, xy, yy]: &Covariance2) -> Covariance2 {
     let entry = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] * xx + (a[0] * b[1] + a[1] * b[0]) * xy + a[1] * b[1] * yy;
     [entry(j[0], j[0]), entry(j[0], j[1]), entry(j[1], j[1])]
 }
 
-fn sum(a: Covariance2, b: Covariance2) -> Covariance2 {
+fn covariance_sum(a: Covariance2, b: Covariance2) -> Covariance2 {
     [0, 1, 2].map(|k| a[k] + b[k])
 }
 
@@ -99,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_covariance_turned_by_a_right_angle_changes_its_axes() {
-        let turned = carried([[0.0, -2.0], [2.0, 0.0]], &[1.0, 0.5, 3.0]);
+        let turned = mapped_covariance([[0.0, -2.0], [2.0, 0.0]], &[1.0, 0.5, 3.0]);
         assert_eq!(turned, [12.0, -2.0, 4.0]);
     }
 
@@ -108,7 +113,7 @@ mod tests {
         let shared = Shared::new(&[[0.0; CAMERA_PARAMETERS]; CAMERA_PARAMETERS], [0.0, 0.0, 2e-4]);
         let mut slope = [[0.0; 2]; ERROR_SOURCES];
         slope[HEIGHT] = [0.3, -0.1];
-        let found = shared.carried(&slope);
+        let found = shared.covariance_along(&slope);
         for (value, known) in found.iter().zip([0.09, -0.03, 0.01]) {
             assert!((value - known * 4e-8).abs() < 1e-20);
         }

@@ -55,37 +55,37 @@ impl Card {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the file cannot be used, does not overlap the film, or its markers are not at their card positions.
-pub fn places(
+pub(crate) fn markers_in_space(
     card: Option<&Card>,
     film: Option<&[Second]>,
     mark: Metre,
     context: &dyn StageContext,
 ) -> Result<Markers> {
-    let Some(Card { sigma, axes, painted: all, length }) = card else {
-        let what = "there is neither a camera nor positions in space";
+    let Some(Card { sigma, axes, painted, length }) = card else {
+        let no_source = "there is neither a camera nor positions in space";
         return Err(Diagnostic::new(
-            what,
+            no_source,
             "no tracks on the card have [tracks.space]",
             "report it: the camera was not made",
         ));
     };
-    let evaluated = context.display_path(WORD);
-    let file = FilePath::new(&evaluated);
+    let file_path = context.display_path(WORD);
+    let file = FilePath::new(&file_path);
     let space = lab::space::read(&context.bytes(WORD)?, file)?;
     let time: Vec<Second> = space.time.iter().map(|t| axes.start + t).collect();
-    film.map_or(Ok(()), |film| meets(&time, film, &evaluated))?;
+    film.map_or(Ok(()), |film| check_overlap(&time, film, &file_path))?;
     let (noise, mark) = ([sigma.powi(2), 0.0, sigma.powi(2)], [mark.powi(2), 0.0, mark.powi(2)]);
     let spread = [0, 1, 2].map(|k| noise[k] + mark[k]);
     let track = |marker: &Painted| {
-        let seen = space.complete(&marker.name, file)?;
-        let places = seen.iter().map(|place| (Some(in_cad(axes, *place)), spread));
+        let positions = space.complete(&marker.name, file)?;
+        let places = positions.iter().map(|position| (Some(in_cad(axes, *position)), spread));
         Ok(ImportedTrack::new(&marker.name, places))
     };
-    let mut tracks = all.iter().map(track).collect::<Result<Vec<_>>>()?;
+    let mut tracks = painted.iter().map(track).collect::<Result<Vec<_>>>()?;
     let shown =
         |(Painted { name, at }, track): (&Painted, &ImportedTrack)| (name.clone(), [at[0], at[1]], track.seen[0].at);
-    let rest: Vec<_> = all.iter().zip(&tracks).map(shown).collect();
-    lab::rest::check(&evaluated, &rest, *length, ShownBy::Space)?;
+    let rest_positions: Vec<_> = painted.iter().zip(&tracks).map(shown).collect();
+    lab::rest::check(&file_path, &rest_positions, *length, ShownBy::Space)?;
     let step = if time.windows(2).all(|t| FAST * (t[1] - t[0]) < 1.001) { STEP * length } else { f64::INFINITY };
     let limits = Limits { step, neighbour_distance: NEIGHBOURS, longest_gap: 0, unit: "m", source: SOURCE };
     imported::check_tracks(&mut tracks, &limits).map_err(|e| Diagnostic::from(e).in_file(file))?;
@@ -95,20 +95,20 @@ pub fn places(
 }
 
 /// x and y of the CAD frame, m, of a place in the file's axes (m).
-fn in_cad(axes: &Axes, place: Point3) -> Point2 {
-    let from = vec3::sub(place, axes.origin);
-    [vec3::dot(from, axes.x), vec3::dot(from, vec3::cross(axes.z, axes.x))]
+fn in_cad(axes: &Axes, position: Point3) -> Point2 {
+    let relative = vec3::sub(position, axes.origin);
+    [vec3::dot(relative, axes.x), vec3::dot(relative, vec3::cross(axes.z, axes.x))]
 }
 
 /// Checks that the file and the film overlap in time.
-fn meets(time: &[Second], film: &[Second], evaluated: &str) -> Result<()> {
+fn check_overlap(time: &[Second], film: &[Second], file_path: &str) -> Result<()> {
     let span = |t: &[Second]| (t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(0.0));
     let ((a, b), (from, to)) = (span(time), span(film));
     if a <= to && b >= from {
         return Ok(());
     }
     Err(Diagnostic::new(
-        format!("{evaluated} runs from {a:.3} to {b:.3} s of the film's clock, the film from {from:.3} to {to:.3} s"),
+        format!("{file_path} runs from {a:.3} to {b:.3} s of the film's clock, the film from {from:.3} to {to:.3} s"),
         "the lamp in the film ties both to the logs, so they must overlap",
         "correct start of [tracks.space] on the card: the film's time of the file's first frame, in s",
     ))
@@ -130,10 +130,12 @@ mod tests {
     fn a_file_that_only_touches_the_film_overlaps_it_and_one_beside_it_does_not() {
         let film = [2.0, 2.5, 3.0];
         for [from, to] in [[0.0, 2.0], [3.0, 4.0], [2.2, 2.4], [1.0, 5.0]] {
-            assert!(meets(&[from, to], &film, "a.c3d").is_ok(), "{from} to {to}");
+            assert!(check_overlap(&[from, to], &film, "a.c3d").is_ok(), "{from} to {to}");
         }
         for [from, to] in [[0.0, 1.99], [3.01, 4.0]] {
-            assert!(meets(&[from, to], &film, "a.c3d").unwrap_err().to_string().contains("the film from 2.000"));
+            assert!(
+                check_overlap(&[from, to], &film, "a.c3d").unwrap_err().to_string().contains("the film from 2.000")
+            );
         }
     }
 }

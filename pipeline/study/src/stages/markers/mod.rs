@@ -103,114 +103,138 @@ impl Stage for Markers {
     ) -> Result<records::Markers> {
         let film = tracks.as_ref().map(|tracks| tracks.time.clone());
         let (Some(camera), Some(tracks), None) = (camera, tracks, &card.space) else {
-            return elsewhere::places(card.space.as_ref(), film.as_deref(), set.mark_sigma, context);
+            return elsewhere::markers_in_space(card.space.as_ref(), film.as_deref(), set.mark_sigma, context);
         };
-        let hung = RefractiveCamera { lens: camera.lens, pose: camera.pose, water: card.water() };
-        let stand = stood(card, &hung, context)?;
-        let pose = stand.as_ref().map_or(hung.pose, |s| Pose { rotation: s.rotation, translation: s.translation_m });
-        let sight = RefractiveCamera { pose, ..hung };
+        let calibrated = RefractiveCamera { lens: camera.lens, pose: camera.pose, water: card.refracting_water() };
+        let film_pose = film_pose(card, &calibrated, context)?;
+        let pose_in_film = |s: &FilmPose| Pose { rotation: s.rotation, translation: s.translation_m };
+        let pose = film_pose.as_ref().map_or(calibrated.pose, pose_in_film);
+        let camera_model = RefractiveCamera { pose, ..calibrated };
         let shutter = Shutter { readout: card.readout, height: camera.size_px[1] };
         let heights = card.heights.clone();
-        let whole = places(&sight, &shutter, &tracks, &heights)?;
+        let positions = marker_positions(&camera_model, &shutter, &tracks, &heights)?;
         let info = Film::open(&context.path("video")?)?.info();
         picture_size::check(camera.size_px, [info.width, info.height])
             .map_err(|e| Diagnostic::from(e).while_doing(context.display_path("video")))?;
         let shown = |((path, painted), at): ((&Path, &Point2), &Vec<Point2>)| (path.name.clone(), *painted, at[0]);
-        let rest: Vec<_> = tracks.markers.iter().zip(&card.painted).zip(&whole).map(shown).collect();
-        lab::rest::check(&context.display_path("video"), &rest, card.length, ShownBy::Film)?;
-        let sources = UncertaintySources {
-            shared: Shared::new(&camera.covariance, [set.surface_sigma, set.index_sigma, set.height_sigma]),
-            ripple: set.ripple,
-            mark: set.mark_sigma,
+        let rest_positions: Vec<_> = tracks.markers.iter().zip(&card.painted).zip(&positions).map(shown).collect();
+        lab::rest::check(&context.display_path("video"), &rest_positions, card.length, ShownBy::Film)?;
+        let sources = set.uncertainty_sources(&camera);
+        let covariance =
+            |(path, height): (&Path, &Metre)| carry::marker_covariances(&camera_model, path, *height, &sources);
+        let covariances = tracks.markers.iter().zip(&heights).map(covariance);
+        let (spreads, parts): (Vec<_>, Vec<CovarianceParts>) =
+            covariances.collect::<Result<Vec<_>>>()?.into_iter().unzip();
+        let uncorrected = without_corrections(&camera_model, &shutter, &heights, card.plane);
+        let effect = |(correction, camera_model, shutter, heights): UncorrectedModel| {
+            let uncorrected = marker_positions(&camera_model, &shutter, &tracks, &heights)?;
+            Ok(effect_of_correction(correction, &positions, &uncorrected))
         };
-        let carried =
-            tracks.markers.iter().zip(&heights).map(|(path, height)| carry::all(&sight, path, *height, &sources));
-        let (spreads, parts): (Vec<_>, Vec<CovarianceParts>) = carried.collect::<Result<Vec<_>>>()?.into_iter().unzip();
-        let mut left_out = Vec::new();
-        for (correction, sight, shutter, heights) in without(&sight, &shutter, &heights, card.plane) {
-            let other = places(&sight, &shutter, &tracks, &heights)?;
-            left_out.push(worth(correction, &whole, &other));
-        }
-        let named = tracks.markers.iter().zip(whole).zip(spreads);
+        let left_out = uncorrected.into_iter().map(effect).collect::<Result<_>>()?;
+        let named = tracks.markers.iter().zip(positions).zip(spreads);
         let markers = named.map(|((path, at), spread)| Path { name: path.name.clone(), at, spread }).collect();
-        Ok(records::Markers { time: tracks.time, markers, parts, left_out, stand })
+        Ok(records::Markers { time: tracks.time, markers, parts, left_out, stand: film_pose })
+    }
+}
+
+impl Settings {
+    fn uncertainty_sources(&self, camera: &Camera) -> UncertaintySources {
+        UncertaintySources {
+            shared: Shared::new(&camera.covariance, [self.surface_sigma, self.index_sigma, self.height_sigma]),
+            ripple: self.ripple,
+            mark: self.mark_sigma,
+        }
     }
 }
 
 impl Card {
     /// The lines under the specimen.
-    fn grid(&self) -> Option<Grid> {
+    fn line_grid(&self) -> Option<Grid> {
         self.grid.map(|pitch| Grid { pitch, height: self.plane })
     }
 
-    fn water(&self) -> Option<Water> {
+    fn refracting_water(&self) -> Option<Water> {
         self.water.as_ref().map(|w| Water { surface: w.surface, index: w.index })
     }
 }
 
 /// The camera pose in the film's first frame.
-fn stood(card: &Card, hung: &RefractiveCamera, context: &dyn StageContext) -> Result<Option<FilmPose>> {
-    let Some(grid) = card.grid() else { return Ok(None) };
+fn film_pose(card: &Card, calibrated: &RefractiveCamera, context: &dyn StageContext) -> Result<Option<FilmPose>> {
+    let Some(grid) = card.line_grid() else { return Ok(None) };
     let Some(frame) = Film::open(&context.path("video")?)?.nth(card.first_frame) else { return Ok(None) };
     let frame = frame?;
-    let found = grid::find_pose(&frame.gray, hung, &grid);
-    Ok(found.map(|found| FilmPose {
-        rotation: found.pose.rotation,
-        translation_m: found.pose.translation,
-        pieces: found.segments,
-        off_m: found.rms_error,
-        moved_m: vec3::norm(vec3::sub(found.pose.centre(), hung.pose.centre())),
+    let grid_pose = grid::find_pose(&frame.gray, calibrated, &grid);
+    Ok(grid_pose.map(|grid_pose| FilmPose {
+        rotation: grid_pose.pose.rotation,
+        translation_m: grid_pose.pose.translation,
+        pieces: grid_pose.segments,
+        off_m: grid_pose.rms_error,
+        moved_m: vec3::norm(vec3::sub(grid_pose.pose.centre(), calibrated.pose.centre())),
     }))
 }
 
 /// Every marker in every frame, m, at the frame's own time.
-fn places(sight: &RefractiveCamera, shutter: &Shutter, tracks: &Tracks, heights: &[Metre]) -> Result<Vec<Vec<Point2>>> {
-    let one = |(path, height): (&Path, &Metre)| {
-        let met = path
-            .at
-            .iter()
-            .enumerate()
-            .map(|(frame, &pixel)| sight.intersect(pixel, *height).ok_or_else(|| no_ray(&path.name, frame, pixel)));
-        let read: Vec<Second> = tracks.time.iter().zip(&path.at).map(|(t, [_, v])| t + shutter.row_delay(*v)).collect();
-        Ok(shutter::at_times(&tracks.time, &read, &met.collect::<Result<Vec<_>>>()?))
+fn marker_positions(
+    camera_model: &RefractiveCamera,
+    shutter: &Shutter,
+    tracks: &Tracks,
+    heights: &[Metre],
+) -> Result<Vec<Vec<Point2>>> {
+    let marker_path = |(path, height): (&Path, &Metre)| {
+        let intersections = path.at.iter().enumerate().map(|(frame, &pixel)| {
+            camera_model.intersect(pixel, *height).ok_or_else(|| no_ray(&path.name, frame, pixel))
+        });
+        let read_times: Vec<Second> =
+            tracks.time.iter().zip(&path.at).map(|(t, [_, v])| t + shutter.row_delay(*v)).collect();
+        Ok(shutter::at_times(&tracks.time, &read_times, &intersections.collect::<Result<Vec<_>>>()?))
     };
-    tracks.markers.iter().zip(heights).map(one).collect()
+    tracks.markers.iter().zip(heights).map(marker_path).collect()
 }
 
+/// The name of a correction, and the camera model, shutter and heights without it.
+type UncorrectedModel = (&'static str, RefractiveCamera, Shutter, Vec<Metre>);
+
 /// The camera model without each of the corrections of the trial.
-fn without(
-    sight: &RefractiveCamera,
+fn without_corrections(
+    camera_model: &RefractiveCamera,
     shutter: &Shutter,
     heights: &[Metre],
     plane: Metre,
-) -> Vec<(&'static str, RefractiveCamera, Shutter, Vec<Metre>)> {
-    let lens = Lens { fx: sight.lens.fx, fy: sight.lens.fy, cx: sight.lens.cx, cy: sight.lens.cy, ..Lens::default() };
-    let mut all = vec![
-        ("parallax", *sight, *shutter, vec![plane; heights.len()]),
-        ("distortion", RefractiveCamera { lens, ..*sight }, *shutter, heights.to_vec()),
+) -> Vec<UncorrectedModel> {
+    let lens = Lens {
+        fx: camera_model.lens.fx,
+        fy: camera_model.lens.fy,
+        cx: camera_model.lens.cx,
+        cy: camera_model.lens.cy,
+        ..Lens::default()
+    };
+    let mut omitted = vec![
+        ("parallax", *camera_model, *shutter, vec![plane; heights.len()]),
+        ("distortion", RefractiveCamera { lens, ..*camera_model }, *shutter, heights.to_vec()),
     ];
-    if sight.water.is_some() {
-        all.push(("refraction", RefractiveCamera { water: None, ..*sight }, *shutter, heights.to_vec()));
+    if camera_model.water.is_some() {
+        omitted.push(("refraction", RefractiveCamera { water: None, ..*camera_model }, *shutter, heights.to_vec()));
     }
     if shutter.readout > 0.0 {
-        all.push(("rolling_shutter", *sight, Shutter { readout: 0.0, ..*shutter }, heights.to_vec()));
+        omitted.push(("rolling_shutter", *camera_model, Shutter { readout: 0.0, ..*shutter }, heights.to_vec()));
     }
-    all
+    omitted
 }
 
 /// Difference of positions and displacements without a correction from those with it.
-fn worth(correction: &str, whole: &[Vec<Point2>], other: &[Vec<Point2>]) -> OmittedCorrection {
-    let (mut place, mut motion, mut count) = (0.0, 0.0, 0.0_f64);
-    for (whole, other) in whole.iter().zip(other) {
-        let off: Vec<Point2> = whole.iter().zip(other).map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).collect();
-        for d in &off {
-            place += d[0] * d[0] + d[1] * d[1];
-            motion += (d[0] - off[0][0]).powi(2) + (d[1] - off[0][1]).powi(2);
+fn effect_of_correction(correction: &str, corrected: &[Vec<Point2>], uncorrected: &[Vec<Point2>]) -> OmittedCorrection {
+    let (mut position, mut motion, mut count) = (0.0, 0.0, 0.0_f64);
+    for (corrected, uncorrected) in corrected.iter().zip(uncorrected) {
+        let differences: Vec<Point2> =
+            corrected.iter().zip(uncorrected).map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).collect();
+        for d in &differences {
+            position += d[0] * d[0] + d[1] * d[1];
+            motion += (d[0] - differences[0][0]).powi(2) + (d[1] - differences[0][1]).powi(2);
             count += 1.0;
         }
     }
     let root = |sum: f64| (sum / count.max(1.0)).sqrt();
-    OmittedCorrection { correction: correction.into(), place_m: root(place), motion_m: root(motion) }
+    OmittedCorrection { correction: correction.into(), place_m: root(position), motion_m: root(motion) }
 }
 
 fn no_ray(marker: &str, frame: usize, pixel: Point2) -> Diagnostic {
@@ -232,7 +256,7 @@ mod tests {
     fn an_error_that_stays_the_same_moves_places_and_not_displacements() {
         let whole = vec![vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]];
         let other = vec![vec![[0.3, 0.4], [1.3, 0.4], [2.3, 0.4]]];
-        let found = worth("parallax", &whole, &other);
+        let found = effect_of_correction("parallax", &whole, &other);
         assert!((found.place_m - 0.5).abs() < 1e-15 && found.motion_m < 1e-15);
     }
 }

@@ -17,50 +17,51 @@ pub(super) fn judge_forces(
     let worse = |old: Option<f64>, new: f64| Some(old.map_or(new, |old| old.max(new)));
     for ((_, cell), hidden) in cells.iter().filter(|(s, _)| s.0 == specimen.name).zip(&truth.cell) {
         let frequency = (hidden.stiffness / hidden.mass).sqrt() / std::f64::consts::TAU;
-        let off = 100.0 * (cell.in_time.natural_frequency_hz / frequency - 1.0).abs();
-        recovered.load_cell_frequency_error_percent = worse(recovered.load_cell_frequency_error_percent, off);
+        let error = 100.0 * (cell.in_time.natural_frequency_hz / frequency - 1.0).abs();
+        recovered.load_cell_frequency_error_percent = worse(recovered.load_cell_frequency_error_percent, error);
     }
     for (_, tank) in tanks.iter().filter(|(s, _)| s.0 == specimen.name) {
         let still = specimen.still_water.as_ref();
         let Some(hidden) = still.and_then(|id| truth.force.iter().find(|t| t.id == *id)) else { continue };
-        for (found, real) in pairs(tank, &hidden.waves) {
+        for (found, real) in wave_pairs(tank, &hidden.waves) {
             let part = |turn: fn(f64) -> f64| found.amplitude * turn(found.phase) - real.amplitude * turn(real.phase);
-            let left = part(f64::cos).hypot(part(f64::sin));
-            recovered.wave_residual_mn = worse(recovered.wave_residual_mn, 1e3 * left);
+            let residual = part(f64::cos).hypot(part(f64::sin));
+            recovered.wave_residual_mn = worse(recovered.wave_residual_mn, 1e3 * residual);
         }
         for (trial, pull) in pulls.iter() {
-            let Some(id) = specimen.trials.iter().find(|id| specimen.subject(id) == *trial) else { continue };
+            let Some(id) = specimen.trials.iter().find(|id| specimen.trial_subject(id) == *trial) else { continue };
             let waves = truth.force.iter().find(|t| t.id == *id).map_or(&[][..], |t| &t.waves);
             if !waves.is_empty() {
-                let left = 1e3 * left_of(pull, waves, tank);
-                recovered.wave_residual_mn = worse(recovered.wave_residual_mn, left);
+                let residual = 1e3 * wave_residual(pull, waves, tank);
+                recovered.wave_residual_mn = worse(recovered.wave_residual_mn, residual);
             }
         }
     }
 }
 
 /// Each wave that was found, with the true one nearest to its frequency.
-fn pairs<'a>(
+fn wave_pairs<'a>(
     tank: &'a Tank,
     real: &'a [truth::TrueWave],
 ) -> impl Iterator<Item = (&'a signal::wave::Wave, &'a truth::TrueWave)> {
-    let off = |found: f64, wave: &truth::TrueWave| (wave.frequency - found).abs();
+    let frequency_difference = |found: f64, wave: &truth::TrueWave| (wave.frequency - found).abs();
     tank.waves.iter().filter_map(move |found| {
-        let near =
-            |a: &&truth::TrueWave, b: &&truth::TrueWave| off(found.frequency, a).total_cmp(&off(found.frequency, b));
-        real.iter().min_by(near).map(|real| (found, real))
+        let by_frequency = |a: &&truth::TrueWave, b: &&truth::TrueWave| {
+            frequency_difference(found.frequency, a).total_cmp(&frequency_difference(found.frequency, b))
+        };
+        real.iter().min_by(by_frequency).map(|real| (found, real))
     })
 }
 
 /// Root mean square residual of a trial's standing waves after their removal, N. The decay of a true wave is taken as identified.
-fn left_of(pull: &CorrectedForce, waves: &[truth::TrueWave], tank: &Tank) -> f64 {
+fn wave_residual(pull: &CorrectedForce, waves: &[truth::TrueWave], tank: &Tank) -> f64 {
     let first = pull.time[0];
     let real = |t: Second| -> f64 {
-        let one = |(found, real): (&signal::wave::Wave, &truth::TrueWave)| {
+        let decaying_wave = |(found, real): (&signal::wave::Wave, &truth::TrueWave)| {
             let angle = std::f64::consts::TAU * real.frequency * t + real.phase;
             real.amplitude * (-found.decay * t).exp() * angle.cos()
         };
-        pairs(tank, waves).map(one).sum()
+        wave_pairs(tank, waves).map(decaying_wave).sum()
     };
     let squares = pull.time.iter().zip(&pull.waves).map(|(t, found)| (found - real(t - first)).powi(2));
     (squares.sum::<f64>() / pull.time.len() as f64).sqrt()
@@ -105,8 +106,8 @@ mod tests {
             real.iter().zip([0.05, 0.1]).map(one).sum::<f64>()
         };
         let exact: Vec<f64> = (0..400).map(hidden).collect();
-        assert!(left_of(&pull(exact.clone()), &real, &tank) < 1e-15);
+        assert!(wave_residual(&pull(exact.clone()), &real, &tank) < 1e-15);
         let off: Vec<f64> = exact.iter().enumerate().map(|(i, w)| w + if i % 2 == 0 { 3e-4 } else { -3e-4 }).collect();
-        assert!((left_of(&pull(off), &real, &tank) - 3e-4).abs() < 1e-15);
+        assert!((wave_residual(&pull(off), &real, &tank) - 3e-4).abs() < 1e-15);
     }
 }

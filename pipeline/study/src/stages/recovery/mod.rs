@@ -11,9 +11,9 @@ use lab::truth::{self, TrueTrack};
 use serde::{Deserialize, Serialize};
 use si::Second;
 
-use self::films::{Films, frame_at, judge};
+use self::films::{Films, frame_at, judge_films};
 use self::forces::judge_forces;
-use self::walls::walls;
+use self::walls::wall_comparison;
 use diagnostics::{Diagnostic, Result};
 use records::subject::{Specimen, Study, condition_of};
 use records::{
@@ -57,12 +57,12 @@ struct Virtual {
 
 impl Part<Study> for Card {
     fn part_of(of: &Study) -> Self {
-        Self(virtual_specimens(of).map(Virtual::of).collect())
+        Self(virtual_specimens(of).map(Virtual::of_card).collect())
     }
 }
 
 impl Virtual {
-    fn of(specimen: &Specimen) -> Self {
+    fn of_card(specimen: &Specimen) -> Self {
         let still = specimen.card.fixture.iter().find(|f| f.of == lab::card::FixtureOf::StillWater);
         Self {
             name: specimen.card.name.clone(),
@@ -73,7 +73,7 @@ impl Virtual {
     }
 
     /// The subject of one of its trials.
-    fn subject(&self, trial: &str) -> Name {
+    fn trial_subject(&self, trial: &str) -> Name {
         Name(format!("{}/{trial}", self.name))
     }
 }
@@ -88,18 +88,18 @@ impl Stage for Recovery {
     const VERSION: u32 = 11;
 
     fn raw(of: &Study) -> Vec<RawFile> {
-        virtual_specimens(of).flat_map(files).collect()
+        virtual_specimens(of).flat_map(truth_files).collect()
     }
 
     fn run(card: &Self::Card, _: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Recovered> {
         let ((Every(cameras), films, (parameters, (Every(predictions), Every(inflated)))), weighed) = needs;
         let mut recovered = Recovered::default();
         for specimen in &card.0 {
-            let truth = read(context, &specimen.name)?;
-            let mut estimates = beside(specimen, &truth, &parameters)?;
+            let truth = read_truth(context, &specimen.name)?;
+            let mut estimates = estimates_beside_truth(specimen, &truth, &parameters)?;
             for (_, camera) in cameras.iter().filter(|(s, _)| s.0 == specimen.name) {
-                let off = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
-                recovered.focal_error_percent = recovered.focal_error_percent.max(off);
+                let focal_error = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
+                recovered.focal_error_percent = recovered.focal_error_percent.max(focal_error);
             }
             judge_forces(&mut recovered, specimen, &truth, &weighed);
             for id in &specimen.trials {
@@ -107,12 +107,15 @@ impl Stage for Recovery {
                     return Err(no_trial(&specimen.name, id));
                 };
                 let true_tracks = true_tracks(context, &specimen.name, id)?;
-                judge(&mut recovered, &specimen.subject(id), (true_trial, &true_tracks), &films);
-                let predicted = predictions.iter().filter(|(trial, _)| *trial == specimen.subject(id));
-                estimates.extend(predicted.filter_map(|(_, found)| amplitude(condition_of(id), found, &true_tracks)));
+                judge_films(&mut recovered, &specimen.trial_subject(id), (true_trial, &true_tracks), &films);
+                let predicted = predictions.iter().filter(|(trial, _)| *trial == specimen.trial_subject(id));
+                estimates.extend(
+                    predicted
+                        .filter_map(|(_, validation)| amplitude_estimate(condition_of(id), validation, &true_tracks)),
+                );
             }
             if !estimates.is_empty() {
-                let (hidden, walls) = walls(specimen, &truth, (&parameters.0, &inflated))?;
+                let (hidden, walls) = wall_comparison(specimen, &truth, (&parameters.0, &inflated))?;
                 recovered.specimens.push(RecoveredSpecimen { name: specimen.name.clone(), estimates, walls, hidden });
             }
         }
@@ -121,7 +124,7 @@ impl Stage for Recovery {
 }
 
 /// Estimates of a specimen beside the truth; none where its moduli were not identified.
-fn beside(
+fn estimates_beside_truth(
     specimen: &Virtual,
     truth: &truth::Truth,
     (Every(identified), Every(relaxed), Every(dragged)): &Parameters,
@@ -129,12 +132,12 @@ fn beside(
     let this = |s: &Name| s.0 == specimen.name;
     let Some((_, found)) = identified.iter().find(|(s, _)| this(s)) else { return Ok(Vec::new()) };
     let estimate = |quantity, found, hidden, sigma| Estimate { quantity, found, hidden, sigma };
-    let real = spectrum(&truth.body)?;
-    let held = truth.body.youngs_modulus * real.modulus(found.modulus_time);
+    let real = true_relaxation(&truth.body)?;
+    let relaxed_modulus = truth.body.youngs_modulus * real.modulus(found.modulus_time);
     let relative = |k: usize| found.sigma[k] / found.best[k];
     let modulus = |k: usize| found.uncertainty.mesh_correction(k) * found.best[k];
-    let mut all = vec![
-        estimate(Quantity::BodyModulus, modulus(0), held, relative(0)),
+    let mut estimates = vec![
+        estimate(Quantity::BodyModulus, modulus(0), relaxed_modulus, relative(0)),
         estimate(Quantity::SpineModulus, modulus(1), truth.spine.youngs_modulus, relative(1)),
     ];
     for (_, relaxation) in relaxed.iter().filter(|(s, _)| this(s)) {
@@ -142,41 +145,41 @@ fn beside(
             let (found, sigma) = (relaxation.spectrum.at(frequency)?, relaxation.spectrum.sigma_at(frequency)?);
             let real = dynamic_modulus(&real, frequency, relaxation.spectrum.modulus_time_s);
             let quantities = [Quantity::StorageRatio(frequency), Quantity::LossFactor(frequency)];
-            all.extend(
+            estimates.extend(
                 quantities.into_iter().enumerate().map(|(k, q)| estimate(q, found[k], real[k], sigma[k] / found[k])),
             );
         }
     }
     for ((_, Drag { by, sigma, .. }), hidden) in dragged.iter().filter(|(s, _)| this(s)).zip(&truth.fluid) {
-        all.push(estimate(Quantity::AddedMass, by.added, hidden.added, sigma.added / by.added));
-        all.push(estimate(Quantity::NormalDrag, by.drag, hidden.drag, sigma.drag / by.drag));
+        estimates.push(estimate(Quantity::AddedMass, by.added, hidden.added, sigma.added / by.added));
+        estimates.push(estimate(Quantity::NormalDrag, by.drag, hidden.drag, sigma.drag / by.drag));
     }
-    Ok(all)
+    Ok(estimates)
 }
 
 /// The predicted amplitude of the tip in a validation trial beside the true one, whose tracks are given.
-fn amplitude(condition: String, found: &Validation, tracks: &[TrueTrack]) -> Option<Estimate> {
-    let track = tracks.iter().find(|track| track.marker == found.marker)?;
+fn amplitude_estimate(condition: String, validation: &Validation, tracks: &[TrueTrack]) -> Option<Estimate> {
+    let track = tracks.iter().find(|track| track.marker == validation.marker)?;
     let lateral = |t: &Second| track.at[frame_at(&track.time, *t)][1] - track.at[0][1];
-    let squares: f64 = found.time.iter().map(|t| lateral(t).powi(2)).sum();
-    let hidden = (squares / found.time.len().max(1) as f64).sqrt();
-    let Interval { value, sigma } = found.amplitude;
+    let squares: f64 = validation.time.iter().map(|t| lateral(t).powi(2)).sum();
+    let hidden = (squares / validation.time.len().max(1) as f64).sqrt();
+    let Interval { value, sigma } = validation.amplitude;
     Some(Estimate { quantity: Quantity::TipAmplitude(condition), found: value, hidden, sigma })
 }
 
 /// The true relaxation.
-fn spectrum(of: &truth::Properties) -> Result<fem::Relaxation> {
+fn true_relaxation(properties: &truth::Properties) -> Result<fem::Relaxation> {
     let branches: Vec<fem::Branch> =
-        of.branch.iter().map(|b| fem::Branch { strength: b.strength, time: b.time }).collect();
+        properties.branch.iter().map(|b| fem::Branch { strength: b.strength, time: b.time }).collect();
     fem::Relaxation::maxwell(&branches).map_err(Diagnostic::from)
 }
 
-fn virtual_specimens(of: &Study) -> impl Iterator<Item = &Specimen> {
-    of.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench)
+fn virtual_specimens(study: &Study) -> impl Iterator<Item = &Specimen> {
+    study.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench)
 }
 
 /// The truth's file, and one file of true tracks a trial.
-fn files(specimen: &Specimen) -> Vec<RawFile> {
+fn truth_files(specimen: &Specimen) -> Vec<RawFile> {
     let name = &specimen.card.name;
     let tracks =
         specimen.card.trial.iter().map(|t| RawFile::new(&tracks_word(name, &t.id), name, &tracks_place(&t.id)));
@@ -195,21 +198,21 @@ fn tracks_place(trial: &str) -> String {
     format!("truth/{trial}.csv")
 }
 
-fn read(context: &dyn StageContext, specimen: &str) -> Result<truth::Truth> {
-    let (text, place) = text(context, &truth_word(specimen))?;
-    truth::parse(&text, Path::new(&place))
+fn read_truth(context: &dyn StageContext, specimen: &str) -> Result<truth::Truth> {
+    let (text, path) = read_text(context, &truth_word(specimen))?;
+    truth::parse(&text, Path::new(&path))
 }
 
-fn text(context: &dyn StageContext, word: &str) -> Result<(String, String)> {
-    let place = context.display_path(word);
+fn read_text(context: &dyn StageContext, word: &str) -> Result<(String, String)> {
+    let path = context.display_path(word);
     let text = String::from_utf8(context.bytes(word)?);
-    let text = text.map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "record the specimen again"))?;
-    Ok((text, place))
+    let text = text.map_err(|e| Diagnostic::new(format!("{path} is not text"), e, "record the specimen again"))?;
+    Ok((text, path))
 }
 
 fn true_tracks(context: &dyn StageContext, specimen: &str, trial: &str) -> Result<Vec<TrueTrack>> {
-    let (text, place) = text(context, &tracks_word(specimen, trial))?;
-    truth::parse_tracks(&text, Path::new(&place))
+    let (text, path) = read_text(context, &tracks_word(specimen, trial))?;
+    truth::parse_tracks(&text, Path::new(&path))
 }
 
 fn no_trial(specimen: &str, trial: &str) -> Diagnostic {

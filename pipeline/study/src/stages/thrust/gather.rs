@@ -76,11 +76,11 @@ impl Needs<Specimen> for TrialsWithForce {
 
 impl TrialsWithForce {
     /// Every flapping trial as a run, and the mean cross-talk subtracted from each, N.
-    pub(super) fn runs(&self, tail: &Tail, by: &Apparatus) -> Result<(Vec<Run>, Vec<Newton>)> {
+    pub(super) fn flapping_runs(&self, tail: &Tail, apparatus: &Apparatus) -> Result<(Vec<Run>, Vec<Newton>)> {
         let mut runs = Vec::new();
         for trial in &self.0 {
             if let Experiment::Flapping { amplitude, frequency, .. } = trial.card.experiment {
-                runs.push(by.gathered(trial, [amplitude, frequency], tail)?);
+                runs.push(apparatus.gathered_run(trial, [amplitude, frequency], tail)?);
             }
         }
         Ok(runs.into_iter().unzip())
@@ -100,43 +100,51 @@ pub(super) struct Apparatus<'a> {
 
 impl<'a> Apparatus<'a> {
     /// The cross-talk from the staircases, beside the load cell.
-    pub(super) fn of(
+    pub(super) fn from_staircases(
         trials: &TrialsWithForce,
         cell: Option<&'a LoadCell>,
         order: Vec<usize>,
         set: &'a Settings,
     ) -> Result<Self> {
-        Ok(Self { talk: talk(&trials.0, set)?, cell, order, set })
+        Ok(Self { talk: static_crosstalk(&trials.0, set)?, cell, order, set })
     }
 
     /// The force without cross-talk (`still`, N at each time of the log) and without ringing.
-    fn taken_out(&self, force: &Series, still: &[Newton]) -> Result<Series> {
+    fn taken_out(&self, force: &Series, crosstalk: &[Newton]) -> Result<Series> {
         let set = self.set;
-        let clean = force.values().iter().zip(still).map(|(f, s)| f - s).collect();
+        let clean = force.values().iter().zip(crosstalk).map(|(f, s)| f - s).collect();
         let clean = Series::new(force.start(), force.rate(), clean)?;
         Ok(match self.cell {
             Some(cell) if set.deconvolve => {
-                let held = Regularisation { weight: set.deconvolution_weight, corner: set.deconvolution_cutoff };
-                cell.in_time.cell().deconvolve(&clean, cell.noise, held).force
+                let regularisation =
+                    Regularisation { weight: set.deconvolution_weight, corner: set.deconvolution_cutoff };
+                cell.in_time.cell().deconvolve(&clean, cell.noise, regularisation).force
             }
             _ => clean,
         })
     }
 
     /// A flapping trial as a run, with the mean of the subtracted cross-talk (N).
-    fn gathered(&self, trial: &TrialWithForce, [amplitude, frequency]: [f64; 2], tail: &Tail) -> Result<(Run, Newton)> {
+    fn gathered_run(
+        &self,
+        trial: &TrialWithForce,
+        [amplitude, frequency]: [f64; 2],
+        tail: &Tail,
+    ) -> Result<(Run, Newton)> {
         let TrialWithForce { card, motion, force: pull } = trial;
         let cutoff = self.set.cutoff;
-        let (gauges, force) = (gauges(motion)?, pull.force());
-        let still: Vec<f64> = pull.time.iter().map(|&t| self.talk.of(&gauges, t)).collect();
-        let clean = self.taken_out(&force, &still)?;
+        let (gauges, force) = (pressure_samples(motion)?, pull.force());
+        let crosstalk: Vec<f64> = pull.time.iter().map(|&t| self.talk.of(&gauges, t)).collect();
+        let clean = self.taken_out(&force, &crosstalk)?;
         let (time, rate) = flapping_times(trial, frequency, &clean, self.set)?;
-        let paths: Vec<[Series; 2]> = self.order.iter().map(|&m| path(motion, m, cutoff)).collect::<Result<_>>()?;
+        let paths: Vec<[Series; 2]> =
+            self.order.iter().map(|&m| smoothed_path(motion, m, cutoff)).collect::<Result<_>>()?;
         let rates: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();
-        let [moved, speed] = [&paths, &rates].map(|of| time.iter().map(|&t| places(of, t)).collect::<Vec<_>>());
-        let pressed: Vec<Series> = gauges.iter().map(|g| even(g, cutoff)).collect::<Result<_>>()?;
+        let [moved, speed] =
+            [&paths, &rates].map(|paths| time.iter().map(|&t| positions_at(paths, t)).collect::<Vec<_>>());
+        let pressed: Vec<Series> = gauges.iter().map(|g| smoothed_series(g, cutoff)).collect::<Result<_>>()?;
         let pressed_rate: Vec<Series> = pressed.iter().map(rate_of).collect();
-        let at = |of: &[Series], t: Second| of.iter().map(|s| s.at(t)).collect::<Vec<f64>>();
+        let values_at = |series: &[Series], t: Second| series.iter().map(|s| s.at(t)).collect::<Vec<f64>>();
         let taken = time.iter().map(|&t| self.talk.of(&gauges, t)).sum::<f64>() / time.len() as f64;
         let run = Run {
             id: card.id.clone(),
@@ -145,8 +153,8 @@ impl<'a> Apparatus<'a> {
             split: card.split,
             rate,
             force: time.iter().map(|&t| resample::cubic(&clean, t)).collect(),
-            pressure: time.iter().map(|&t| at(&pressed, t)).collect(),
-            pressure_rate: time.iter().map(|&t| at(&pressed_rate, t)).collect(),
+            pressure: time.iter().map(|&t| values_at(&pressed, t)).collect(),
+            pressure_rate: time.iter().map(|&t| values_at(&pressed_rate, t)).collect(),
             terms: run::parts(tail, &moved, &speed, rate),
             time,
             moved,
@@ -157,13 +165,13 @@ impl<'a> Apparatus<'a> {
 }
 
 /// The static cross-talk from the staircases; none where there is no staircase.
-fn talk(trials: &[TrialWithForce], set: &Settings) -> Result<CrossTalk> {
+fn static_crosstalk(trials: &[TrialWithForce], set: &Settings) -> Result<CrossTalk> {
     let mut knots: Vec<Pascal> = vec![0.0];
     let mut runs = Vec::new();
     for trial in trials {
         if let Experiment::Staircase { levels, .. } = &trial.card.experiment {
             knots.extend(levels);
-            runs.push(Staircase { force: trial.force.force(), pressures: gauges(&trial.motion)? });
+            runs.push(Staircase { force: trial.force.force(), pressures: pressure_samples(&trial.motion)? });
         }
     }
     if runs.is_empty() {
@@ -172,19 +180,19 @@ fn talk(trials: &[TrialWithForce], set: &Settings) -> Result<CrossTalk> {
     knots.sort_by(f64::total_cmp);
     knots.dedup();
     // flapping may exceed the highest held pressure: the last slope is then extrapolated
-    let most = trials.iter().filter_map(|trial| match trial.card.experiment {
+    let amplitudes = trials.iter().filter_map(|trial| match trial.card.experiment {
         Experiment::Flapping { amplitude, .. } => Some(amplitude),
         Experiment::Staircase { .. } => None,
     });
-    let most = most.fold(0.0, f64::max);
-    let mut found = crosstalk::fit(&runs, &knots, &set.lags)?;
+    let highest = amplitudes.fold(0.0, f64::max);
+    let mut fitted = crosstalk::fit(&runs, &knots, &set.lags)?;
     let last = knots.len() - 1;
-    if most > knots[last] {
-        let slope = (found.forces[last] - found.forces[last - 1]) / (knots[last] - knots[last - 1]);
-        found.pressures.push(most);
-        found.forces.push(found.forces[last] + slope * (most - knots[last]));
+    if highest > knots[last] {
+        let slope = (fitted.forces[last] - fitted.forces[last - 1]) / (knots[last] - knots[last - 1]);
+        fitted.pressures.push(highest);
+        fitted.forces.push(fitted.forces[last] + slope * (highest - knots[last]));
     }
-    Ok(found)
+    Ok(fitted)
 }
 
 /// The fewest times in a cycle, where the log has fewer samples.
@@ -206,8 +214,8 @@ fn flapping_times(
     let cycles = ((last - first) * frequency + 0.5 * frequency / force.rate()).floor().max(0.0);
     let samples = (cycles * force.rate() / frequency).floor();
     if samples < 8.0 {
-        let what = format!("{} has {samples} samples of force in {cycles} whole cycles while flapping", card.id);
-        return Err(Diagnostic::new(what, "a run needs at least 8", "record the trial for longer"));
+        let too_short = format!("{} has {samples} samples of force in {cycles} whole cycles while flapping", card.id);
+        return Err(Diagnostic::new(too_short, "a run needs at least 8", "record the trial for longer"));
     }
     let per_cycle = (force.rate() / frequency).round().max(FEWEST_IN_CYCLE);
     let rate = per_cycle * frequency;
@@ -215,26 +223,26 @@ fn flapping_times(
 }
 
 /// Positions of all markers at a time, m; of rates, their velocities, m/s.
-fn places(of: &[[Series; 2]], t: Second) -> Vec<Point2> {
-    of.iter().map(|axes| [axes[0].at(t), axes[1].at(t)]).collect()
+fn positions_at(paths: &[[Series; 2]], t: Second) -> Vec<Point2> {
+    paths.iter().map(|axes| [axes[0].at(t), axes[1].at(t)]).collect()
 }
 
-fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
+fn pressure_samples(motion: &Motion) -> Result<Vec<Samples>> {
     let samples = motion.gauges.iter().map(|g| Samples::new(motion.log_time.clone(), g.measured.clone()));
     samples.collect::<Result<_, _>>().map_err(Diagnostic::from)
 }
 
 /// x and y of a marker, smoothed.
-fn path(motion: &Motion, marker: usize, cutoff: Hertz) -> Result<[Series; 2]> {
+fn smoothed_path(motion: &Motion, marker: usize, cutoff: Hertz) -> Result<[Series; 2]> {
     let axis = |k: usize| {
         let values = motion.markers[marker].at.iter().map(|p| p[k]).collect();
         let samples = Samples::new(motion.time.clone(), values)?;
-        even(&samples, cutoff)
+        smoothed_series(&samples, cutoff)
     };
     Ok([axis(0)?, axis(1)?])
 }
 
-fn even(samples: &Samples, cutoff: Hertz) -> Result<Series> {
+fn smoothed_series(samples: &Samples, cutoff: Hertz) -> Result<Series> {
     let times = samples.times();
     let rate = (times.len() - 1) as f64 / (times[times.len() - 1] - times[0]);
     let even = samples.even(rate)?;

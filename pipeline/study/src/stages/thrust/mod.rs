@@ -63,7 +63,7 @@ pub struct Settings {
 
 impl Settings {
     /// Training settings of a network, with the seed of its initial weights.
-    pub(super) fn training(&self, seed: u64) -> TrainingSettings {
+    pub(super) fn training_settings(&self, seed: u64) -> TrainingSettings {
         let (hidden, step, batch) = (self.hidden_layers.clone(), self.step as f32, self.batch.max(1));
         let training = Training { hidden, step, batch, epochs: self.epochs, patience: self.patience, seed };
         TrainingSettings {
@@ -74,7 +74,7 @@ impl Settings {
     }
 
     /// The networks' seeds, at least one.
-    pub(super) fn seeds(&self) -> &[u64] {
+    pub(super) fn network_seeds(&self) -> &[u64] {
         if self.seeds.is_empty() { &[1] } else { &self.seeds }
     }
 }
@@ -90,8 +90,8 @@ impl Stage for Thrust {
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let (mesh, Maybe(cell), trials) = needs;
         let tail = Outline::new(card, &mesh.solid).marked(set.density, set.sections)?;
-        let apparatus = Apparatus::of(&trials, cell.as_ref(), card.markers_by_x(), set)?;
-        let (runs, taken) = trials.runs(&tail, &apparatus)?;
+        let apparatus = Apparatus::from_staircases(&trials, cell.as_ref(), card.markers_by_x(), set)?;
+        let (runs, taken) = trials.flapping_runs(&tail, &apparatus)?;
         let (scores, models) = fit_models(&runs, set, context)?;
         let network = match models.iter().find(|(model, _)| *model == ThrustModel::Network) {
             Some((_, Fitted::Network(network))) => network.to_safetensors()?,
@@ -109,7 +109,7 @@ impl Stage for Thrust {
             lag_interval_s: talk.lag_interval,
             left_n: talk.residual,
         };
-        let (means, traces) = (means(&runs, &taken, &models), traces(&runs, &models));
+        let (means, traces) = (means_of_runs(&runs, &taken, &models), example_traces(&runs, &models));
         Ok(Record {
             scores,
             means,
@@ -129,25 +129,25 @@ type Models = Vec<(ThrustModel, Fitted)>;
 /// Every model on every split; models of the card's split and the first seed are kept.
 fn fit_models(runs: &[Run], set: &Settings, context: &dyn StageContext) -> Result<(Vec<Scored>, Models)> {
     let (mut scores, mut models) = (Vec::new(), Vec::new());
-    let seeds = set.seeds();
+    let seeds = set.network_seeds();
     for (number, split_rule) in splits::ALL.into_iter().enumerate() {
         let Some((train, test)) = split_rule.part(runs) else { continue };
         for kind in MODELS {
             let learns = matches!(kind, ThrustModel::Network | ThrustModel::Hybrid);
             let tried = if learns && number == 0 { seeds.len() } else { 1 };
-            for (place, seed) in seeds.iter().take(tried).enumerate() {
+            for (seed_number, seed) in seeds.iter().take(tried).enumerate() {
                 let text = format!("{} on {}", kind.name(), split_rule.name());
                 let progress = |part: f64| context.progress((number as f64 + part) / splits::ALL.len() as f64, &text);
-                let model = kind.fit(&train, &set.training(*seed), &progress);
+                let model = kind.fit(&train, &set.training_settings(*seed), &progress);
                 let predicted: Vec<Vec<f64>> = test.iter().map(|r| model.predict(r)).collect();
                 scores.push(Scored {
                     split_rule: split_rule.name().into(),
                     model: kind.name().into(),
-                    seed: place as u64,
+                    seed: seed_number as u64,
                     score: score(&test, &predicted),
                     runs: [train.len(), test.len()],
                 });
-                if number == 0 && place == 0 {
+                if number == 0 && seed_number == 0 {
                     models.push((kind, model));
                 }
             }
@@ -163,40 +163,40 @@ fn fit_models(runs: &[Run], set: &Settings, context: &dyn StageContext) -> Resul
     }
 }
 
-fn evaluated(models: &Models, model: ThrustModel, run: &Run) -> Vec<f64> {
-    models.iter().find(|(of, _)| *of == model).map_or_else(Vec::new, |(_, model)| model.predict(run))
+fn model_force(models: &Models, model: ThrustModel, run: &Run) -> Vec<f64> {
+    models.iter().find(|(kind, _)| *kind == model).map_or_else(Vec::new, |(_, model)| model.predict(run))
 }
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-fn means(runs: &[Run], taken: &[f64], models: &Models) -> Vec<Means> {
-    let held = runs.iter().zip(taken).filter(|(r, _)| r.split == Some(lab::card::Split::Test));
-    let one = |(run, taken): (&Run, &f64)| Means {
+fn means_of_runs(runs: &[Run], taken: &[f64], models: &Models) -> Vec<Means> {
+    let test_runs = runs.iter().zip(taken).filter(|(r, _)| r.split == Some(lab::card::Split::Test));
+    let means_of_run = |(run, taken): (&Run, &f64)| Means {
         run: run.id.clone(),
         amplitude_pa: run.amplitude,
         frequency_hz: run.frequency,
         measured_n: mean(&run.force),
-        theory_n: mean(&evaluated(models, ThrustModel::Ebt, run)),
-        tuned_n: mean(&evaluated(models, ThrustModel::Theory, run)),
-        network_n: mean(&evaluated(models, ThrustModel::Network, run)),
+        theory_n: mean(&model_force(models, ThrustModel::Ebt, run)),
+        tuned_n: mean(&model_force(models, ThrustModel::Theory, run)),
+        network_n: mean(&model_force(models, ThrustModel::Network, run)),
         crosstalk_n: *taken,
     };
-    held.map(one).collect()
+    test_runs.map(means_of_run).collect()
 }
 
 /// Length of a trace, in cycles.
 const TRACE_CYCLES: f64 = 4.0;
 
 /// Of the training runs and of the held-out runs, the one with the greatest mean thrust.
-fn traces(runs: &[Run], models: &Models) -> Vec<Trace> {
+fn example_traces(runs: &[Run], models: &Models) -> Vec<Trace> {
     use lab::card::Split;
-    let most = |split: Split| {
-        let of = runs.iter().filter(|r| r.split == Some(split));
-        of.max_by(|a, b| mean(&a.force).total_cmp(&mean(&b.force)))
+    let run_of_most_thrust = |split: Split| {
+        let runs_of_split = runs.iter().filter(|r| r.split == Some(split));
+        runs_of_split.max_by(|a, b| mean(&a.force).total_cmp(&mean(&b.force)))
     };
-    let one = |run: &Run| {
+    let trace_of_run = |run: &Run| {
         let samples = ((TRACE_CYCLES * run.samples_per_cycle() as f64) as usize).min(run.len());
         let cut = |mut values: Vec<f64>| {
             values.truncate(samples);
@@ -208,10 +208,10 @@ fn traces(runs: &[Run], models: &Models) -> Vec<Trace> {
             time: cut(run.time.clone()),
             moved: cut(run.moved.iter().filter_map(|m| m.last()).map(|p| p[1]).collect()),
             measured: cut(run.force.clone()),
-            theory: cut(evaluated(models, ThrustModel::Ebt, run)),
-            tuned: cut(evaluated(models, ThrustModel::Theory, run)),
-            network: cut(evaluated(models, ThrustModel::Network, run)),
+            theory: cut(model_force(models, ThrustModel::Ebt, run)),
+            tuned: cut(model_force(models, ThrustModel::Theory, run)),
+            network: cut(model_force(models, ThrustModel::Network, run)),
         }
     };
-    [Split::Train, Split::Test].into_iter().filter_map(most).map(one).collect()
+    [Split::Train, Split::Test].into_iter().filter_map(run_of_most_thrust).map(trace_of_run).collect()
 }

@@ -120,17 +120,17 @@ impl Stage for Track {
                 break;
             }
             if frame.index >= card.first_frame {
-                log.see(&frame, context)?;
+                log.add_frame(&frame, context)?;
                 context.progress(frame.index as f64 / length, "tracking the markers");
             }
         }
         if log.tracks.time.is_empty() {
             return Err(no_frames(card, context));
         }
-        let tracks = log.end().map_err(|lost| named(card, context, lost))?;
+        let tracks = log.finished_tracks().map_err(|lost| tracking_failure(card, context, lost))?;
         match card.elsewhere {
             None => Ok(tracks),
-            _ => imported(card, set.tracker(info.rate), tracks.time.len(), context)
+            _ => imported_paths(card, set.tracker(info.rate), tracks.time.len(), context)
                 .map(|markers| Tracks { markers, ..tracks }),
         }
     }
@@ -141,29 +141,29 @@ impl Stage for Track {
 /// # Errors
 /// A [`Diagnostic`] that names the first marker that does not, or gives the number found.
 pub fn first_look(card: &Card, set: klt::Settings, frame: &Frame, context: &dyn StageContext) -> Result<Vec<Point2>> {
-    let tracker = begin(card, set, frame, context)?;
+    let tracker = first_tracker(card, set, frame, context)?;
     Ok(tracker.observations().iter().map(|sighting| sighting.at).collect())
 }
 
 /// The tracker of a trial on its first frame.
-fn begin(card: &Card, set: klt::Settings, frame: &Frame, context: &dyn StageContext) -> Result<Tracker> {
-    let starts = search::starts(card, &frame.gray, &set, &context.display_path("video"))?;
-    Tracker::new(&frame.gray, &starts, set).map_err(|lost| named(card, context, lost))
+fn first_tracker(card: &Card, set: klt::Settings, frame: &Frame, context: &dyn StageContext) -> Result<Tracker> {
+    let starts = search::initial_positions(card, &frame.gray, &set, &context.display_path("video"))?;
+    Tracker::new(&frame.gray, &starts, set).map_err(|lost| tracking_failure(card, context, lost))
 }
 
 /// Imported tracks in the film's own pixels.
-fn in_pixels(of: &Trial) -> Option<&lab::card::Tracks> {
-    of.made_elsewhere().filter(|tracks| tracks.space.is_none())
+fn in_pixels(trial: &Trial) -> Option<&lab::card::Tracks> {
+    trial.made_elsewhere().filter(|tracks| tracks.space.is_none())
 }
 
 /// The imported tracks of a film of so many frames and this rate, as the card names them.
 ///
 /// # Errors
 /// A [`Diagnostic`] when they cannot be read, or a marker moves as none of this tracker may.
-pub fn imported(card: &Card, set: klt::Settings, frames: usize, context: &dyn StageContext) -> Result<Vec<Path>> {
+pub fn imported_paths(card: &Card, set: klt::Settings, frames: usize, context: &dyn StageContext) -> Result<Vec<Path>> {
     let Some(Elsewhere::Pixels(sigma)) = card.elsewhere else { return Ok(Vec::new()) };
-    let place = context.display_path("tracks");
-    let in_file = |refused: Diagnostic| refused.in_file(FilePath::new(&place));
+    let tracks_path = context.display_path("tracks");
+    let in_file = |refused: Diagnostic| refused.in_file(FilePath::new(&tracks_path));
     let names: Vec<String> = card.markers.iter().map(|m| m.name.clone()).collect();
     let read = lab::pixels::read(&context.bytes("tracks")?, &names, frames, sigma).map_err(in_file)?;
     // length: a covariance for each place
@@ -189,12 +189,12 @@ impl<'a> Log<'a> {
         Self { card, set, tracker: None, tracks, seen: vec![Vec::new(); card.markers.len()] }
     }
 
-    fn see(&mut self, frame: &Frame, context: &dyn StageContext) -> Result<()> {
+    fn add_frame(&mut self, frame: &Frame, context: &dyn StageContext) -> Result<()> {
         let card = self.card;
         let sightings = match &mut self.tracker {
-            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| named(card, context, lost))?,
+            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| tracking_failure(card, context, lost))?,
             None => {
-                let tracker = begin(card, self.set, frame, context)?;
+                let tracker = first_tracker(card, self.set, frame, context)?;
                 let first = tracker.observations().to_vec();
                 self.tracker = Some(tracker);
                 first
@@ -208,7 +208,7 @@ impl<'a> Log<'a> {
     }
 
     /// The finished tracks, with gaps filled.
-    fn end(self) -> Result<Tracks, klt::TrackingError> {
+    fn finished_tracks(self) -> Result<Tracks, klt::TrackingError> {
         self.tracker.map_or(Ok(()), Tracker::finish)?;
         let mut tracks = self.tracks;
         if self.card.elsewhere.is_some() {
@@ -249,10 +249,10 @@ impl Settings {
     }
 }
 
-fn named(card: &Card, context: &dyn StageContext, lost: klt::TrackingError) -> Diagnostic {
+fn tracking_failure(card: &Card, context: &dyn StageContext, lost: klt::TrackingError) -> Diagnostic {
     let name = card.markers.get(lost.marker).map_or("?", |m| m.name.as_str());
-    let (place, picture) = (format!("{}, marker `{name}`", context.display_path("video")), lost.crop.to_png());
-    let diagnostic = Diagnostic::from(lost).while_doing(place);
+    let (marker_place, picture) = (format!("{}, marker `{name}`", context.display_path("video")), lost.crop.to_png());
+    let diagnostic = Diagnostic::from(lost).while_doing(marker_place);
     match picture {
         Ok(png) => diagnostic.showing(png),
         Err(_) => diagnostic,

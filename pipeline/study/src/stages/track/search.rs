@@ -12,7 +12,7 @@ use diagnostics::{Diagnostic, Result};
 ///
 /// # Errors
 /// A [`Diagnostic`] with the region as a picture, when the number of markers found in it differs from the card's.
-pub fn starts(card: &Card, first: &Gray, set: &klt::Settings, film: &str) -> Result<Vec<Point2>> {
+pub(crate) fn initial_positions(card: &Card, first: &Gray, set: &klt::Settings, film: &str) -> Result<Vec<Point2>> {
     if card.elsewhere.is_some() {
         return Ok(Vec::new());
     }
@@ -23,11 +23,11 @@ pub fn starts(card: &Card, first: &Gray, set: &klt::Settings, film: &str) -> Res
         Detector::Spots => klt::find_blobs,
         Detector::Corners => klt::find_corners,
     };
-    let found = find(first, search.region, usize::MAX, set);
-    if found.len() == card.markers.len() {
-        return Ok(ordered(found, search.order));
+    let detected = find(first, search.region, usize::MAX, set);
+    if detected.len() == card.markers.len() {
+        return Ok(in_card_order(detected, search.order));
     }
-    let diagnostic = another_number(card, search, &found, film);
+    let diagnostic = another_number(card, search, &detected, film);
     let [left, top, right, bottom] = search.region.map(|c| c as usize);
     match first.crop(left, top, right - left, bottom - top).to_png() {
         Ok(png) => Err(diagnostic.showing(png)),
@@ -36,23 +36,23 @@ pub fn starts(card: &Card, first: &Gray, set: &klt::Settings, film: &str) -> Res
 }
 
 /// The positions in the card's order; the sort is stable.
-fn ordered(mut places: Vec<Point2>, order: Order) -> Vec<Point2> {
-    let along = |[x, y]: &Point2| match order {
+fn in_card_order(mut places: Vec<Point2>, order: Order) -> Vec<Point2> {
+    let coordinate = |[x, y]: &Point2| match order {
         Order::Rightwards => *x,
         Order::Leftwards => -x,
         Order::Downwards => *y,
         Order::Upwards => -y,
     };
-    places.sort_by(|a, b| along(a).total_cmp(&along(b)));
+    places.sort_by(|a, b| coordinate(a).total_cmp(&coordinate(b)));
     places
 }
 
-fn another_number(card: &Card, search: &Search, found: &[Point2], film: &str) -> Diagnostic {
+fn another_number(card: &Card, search: &Search, detected: &[Point2], film: &str) -> Diagnostic {
     let (frame, names) = (card.first_frame, card.markers.len());
-    let at: Vec<String> = found.iter().map(|[x, y]| format!("({x:.0}, {y:.0})")).collect();
-    let places = if at.is_empty() { String::new() } else { format!(": {}", at.join(" ")) };
+    let pixels: Vec<String> = detected.iter().map(|[x, y]| format!("({x:.0}, {y:.0})")).collect();
+    let places = if pixels.is_empty() { String::new() } else { format!(": {}", pixels.join(" ")) };
     Diagnostic::new(
-        format!("{film} shows {} markers in frame {frame}{places}; the card has {names}", found.len()),
+        format!("{film} shows {} markers in frame {frame}{places}; the card has {names}", detected.len()),
         format!("{} were searched in [search] region = {:?} px of the card", search.by.word(), search.region),
         "narrow or widen the region, try by = \"spots\" or \"corners\", or click the markers (clicked = [u, v])",
     )
@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn what_is_found_is_named_along_the_direction_of_the_card() {
         let places = vec![[3.0, 9.0], [1.0, 8.0], [2.0, 7.0]];
-        let first = |order| ordered(places.clone(), order)[0];
+        let first = |order| in_card_order(places.clone(), order)[0];
         assert_eq!(first(Order::Rightwards), [1.0, 8.0]);
         assert_eq!(first(Order::Leftwards), [3.0, 9.0]);
         assert_eq!(first(Order::Downwards), [2.0, 7.0]);
