@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, SVector};
 /// ψ = C₁₀ x + C₂₀ [¼ (tr C² − 3) − ln J − x] + C₃₀ [tr C⁻¹ − 3 + 2 ln J − x] + λ/2 ln²J, x = tr C − 3 − 2 ln J, C₁₀ = μ/2    [ogden1972]
 ///
 /// These are Ogden's terms Σ μ_k/α_k (λ₁^α + λ₂^α + λ₃^α − 3 − α ln J) with α of 2, 4 and −2, which need no principal stretches: the power 4
-/// stiffens a strip, the power −2 is that of Mooney and Rivlin and tells a sheet held at its width from a strip. From each, x is subtracted, so
+/// stiffens a strip, the power −2 is that of Mooney and Rivlin and distinguishes a sheet held at its width from a strip. From each, x is subtracted, so
 /// that μ is the modulus of small strains whatever C₂₀ and C₃₀.
 #[derive(Debug)]
 pub struct Ogden;

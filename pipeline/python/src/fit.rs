@@ -25,7 +25,11 @@ pub(crate) fn fit(
     let path = page(&root, &asked);
     if joint_fit::is_page(&path) {
         let what = format!("{} is the page of a tensile test or of a joint fit", path.display());
-        return Err(input_error(what, "laws are fitted to free vibrations", "run study fit on it, or name another page"));
+        return Err(input_error(
+            what,
+            "laws are fitted to free vibrations",
+            "run study fit on it, or name another page",
+        ));
     }
     if inflation_test::is_page(&path) {
         let message = format!("{} is the page of an inflation test", path.display());

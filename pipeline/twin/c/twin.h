@@ -1,7 +1,7 @@
 /* A reduced tail that steps in real time, for C and everything that calls C.
  *
  * `cargo build --release` in this folder makes target/release/libtwin_c.so (.dylib, twin_c.dll) and libtwin_c.a.
- * SI units throughout. A function that can fail returns 0 where it succeeded, or NULL where it did not; twin_error tells why.
+ * SI units throughout. A function that can fail returns 0 where it succeeded, or NULL where it did not; twin_error says why.
  * A tail may be shared by threads, a state belongs to one at a time.
  */
 #ifndef TWIN_H

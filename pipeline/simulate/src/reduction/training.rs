@@ -49,7 +49,7 @@ pub struct Trained {
     pub checked: (usize, f64),
 }
 
-/// Trains a reduced model of a body in the box; `progress` is told of each point.
+/// Trains a reduced model of a body in the box; `progress` is called at each point.
 ///
 /// # Errors
 /// A [`Diagnostic`] when there are too many ranges, none of a pressure, the whole body has no equilibrium in the box, or the model does not serve

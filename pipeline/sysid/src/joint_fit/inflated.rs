@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// Two pressures tell the offset of the walls from the modulus.
+    /// Two pressures separate the offset of the walls from the modulus.
     #[test]
     fn a_planted_offset_of_the_walls_comes_back_with_the_modulus() {
         let body = hollow_box();
