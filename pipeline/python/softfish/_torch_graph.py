@@ -1,6 +1,6 @@
 """Solves in compiled graphs of PyTorch: an operation that a graph holds without looking into it, with its adjoint.
 
-`torch.compile(fullgraph=True)` and `torch.export` record tensors without numbers, which no solve can read. The operation `softfish::value` says
+`torch.compile(fullgraph=True)` and `torch.export` record tensors without numbers, which no solve can read. The operation `softfish::value` gives
 them the shapes of its outputs, and solves when the graph runs. It finds its function by a key, so that an exported graph runs in the process that
 made it.
 """
