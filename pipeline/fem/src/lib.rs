@@ -73,9 +73,9 @@ pub use newton::options::NonConvergence;
 pub use projective::{Projective, ProjectiveError, ProjectiveSettings};
 pub use properties::{Masses, Options, RegionProperties};
 pub use rom::{
-    Actuation, ExternalForce, NoForce, ReducedArrays, ReducedEquilibrium, ReducedError, ReducedModel, ReducedModelData,
-    ReducedMotion, ReducedRegion, ReducedSolver, ReducedState, ReducedStep, ReducedStepGradient, ReductionSettings,
-    Snapshot, StepState,
+    Actuation, ExternalForce, NoForce, ReducedArrays, ReducedContact, ReducedEquilibrium, ReducedError, ReducedModel,
+    ReducedModelData, ReducedMotion, ReducedRegion, ReducedSolver, ReducedState, ReducedStep, ReducedStepGradient,
+    ReductionSettings, Snapshot, StepState,
 };
 pub use setup_error::SetupError;
 pub use solve_error::SolveError;

@@ -3,10 +3,13 @@
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use fem::{
-    Clamps, Contact, DynamicSettings, InitialValueProblem, LossGradient, Mesh, Options, Parameter, RegionProperties,
-    Scheme, SetupError, State, StaticSettings, System, box_mesh, materials, wedges,
+    Clamps, Contact, DynamicSettings, InitialValueProblem, LossGradient, Mesh, Options, Parameter, ReducedModel,
+    ReducedSolver, ReductionSettings, RegionProperties, Scheme, SetupError, State, StaticSettings, System, box_mesh,
+    materials, wedges,
 };
+use nalgebra::DVector;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Height of the chamber, m.
 const HEIGHT: f64 = 0.002;
@@ -153,4 +156,67 @@ fn a_range_of_contact_that_cannot_be_is_refused() {
         let refused = body(Some(Contact { range, pressure }));
         assert!(matches!(refused, Err(SetupError::Contact { .. })), "{range} {pressure}");
     }
+}
+
+/// A reduced model of `system`, trained on suctions before and after its roof lies on its floor, and the shapes that trained it.
+fn reduced(system: &System) -> (Arc<ReducedModel>, Vec<Vec<f64>>) {
+    let mut solver = system.solver();
+    let mut shapes: Vec<Vec<f64>> = Vec::new();
+    for suction in [100.0, 200.0, 400.0, 600.0, 800.0, 1000.0, 1300.0, 1700.0, 2200.0, 3000.0] {
+        let start = shapes.last().map(Vec::as_slice);
+        let found = solver.equilibrium(&[-suction], start, &StaticSettings::default()).unwrap();
+        let by_modulus = solver.sensitivity(&found, Parameter::YoungsModulus(0)).unwrap();
+        shapes.extend([found.displacement, by_modulus.iter().map(|by| 2e4 * by).collect()]);
+        // the next one starts from an equilibrium
+        let last = shapes.len() - 1;
+        shapes.swap(last, last - 1);
+    }
+    let snapshots: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
+    let settings = ReductionSettings { coordinates: 18, tolerance: 1e-4, ..ReductionSettings::default() };
+    (Arc::new(system.reduce(&snapshots, &settings).unwrap()), shapes)
+}
+
+#[test]
+fn a_reduced_model_in_contact_has_the_equilibria_and_derivatives_of_the_whole_body() {
+    let system = body(Some(CONTACT)).unwrap();
+    let (model, shapes) = reduced(&system);
+    let shapes: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
+    let contact = system.reduced_contact(&model, &shapes).unwrap();
+    let regions = system.regions().to_vec();
+    let mut reduced = ReducedSolver::new(Arc::clone(&model), regions.clone()).in_contact(contact.map(Arc::new));
+    let rest = DVector::zeros(model.coordinates());
+    for suction in [900.0, 1500.0, 2600.0] {
+        let whole = system.solver().equilibrium(&[-suction], None, &StaticSettings::default()).unwrap().displacement;
+        let found = reduced.equilibrium_near(&[-suction], &rest, &rest).unwrap();
+        let gaps = [&whole, &model.displacement(&found.coordinates)].map(|u| gap(&system, u));
+        assert!((gaps[0] - gaps[1]).abs() < 0.03 * CONTACT.range, "{suction}: {gaps:?}");
+    }
+    // without contact the roof passes through the floor
+    let free = ReducedSolver::new(Arc::clone(&model), regions).equilibrium_near(&[-1500.0], &rest, &rest).unwrap();
+    assert!(gap(&system, &model.displacement(&free.coordinates)) < 0.0);
+    let found = reduced.equilibrium_near(&[-1500.0], &rest, &rest).unwrap();
+    let loss = DVector::from_fn(rest.len(), |mode, _| (0.3 + 1.3 * mode as f64).sin());
+    let of = |solver: &ReducedSolver, pressure: f64| {
+        let end = solver.equilibrium_near(&[pressure], &found.coordinates, &found.coordinates).unwrap();
+        end.coordinates.dot(&loss)
+    };
+    let by_pressure = (of(&reduced, -1499.0) - of(&reduced, -1501.0)) / 2.0;
+    let gradient = reduced.pressure_gradient(&found, &loss)[0];
+    assert!((gradient / by_pressure - 1.0).abs() < 1e-4, "{gradient:e} {by_pressure:e}");
+    let adjoint = reduced.adjoint(&found, &loss, &[Parameter::YoungsModulus(0)]).unwrap()[0];
+    let mut at = |e: f64| {
+        reduced.set_elastic(0, e, 0.45).unwrap();
+        of(&reduced, -1500.0)
+    };
+    let by_modulus = (at(2.001e5) - at(1.999e5)) / 200.0;
+    assert!((adjoint / by_modulus - 1.0).abs() < 1e-4, "{adjoint:e} {by_modulus:e}");
+}
+
+#[test]
+fn the_contact_of_a_reduced_model_is_refused_for_another_body_and_absent_where_walls_stay_apart() {
+    let system = body(Some(CONTACT)).unwrap();
+    let (model, shapes) = reduced(&system);
+    assert!(system.reduced_contact(&model, &[&shapes[0][1..]]).is_err());
+    assert!(system.reduced_contact(&model, &[&vec![0.0; shapes[0].len()]]).unwrap().is_none());
+    assert!(system.without_contact().reduced_contact(&model, &[&shapes[0]]).unwrap().is_none());
 }

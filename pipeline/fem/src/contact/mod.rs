@@ -64,12 +64,32 @@ impl SelfContact {
     /// Between all chamber walls of `mesh`.
     pub(crate) fn new(mesh: &Mesh, contact: Contact) -> Self {
         let surface = Surface::new(mesh, SPACING * contact.range);
-        let law = RepulsiveLaw::new(contact.range, contact.pressure);
-        let mut new = Self { law, surface, excluded: BTreeSet::new(), half: mesh.symmetry_plane_z };
-        let undisplaced = vec![0.0; 3 * mesh.nodes.len()];
-        new.excluded =
-            new.close_face_pairs(&new.surface.boxes(&undisplaced), APART * contact.range).into_iter().collect();
+        Self::between(surface, RepulsiveLaw::new(contact.range, contact.pressure), mesh.symmetry_plane_z)
+    }
+
+    /// Between the faces of `surface` that are apart at rest.
+    fn between(surface: Surface, law: RepulsiveLaw, half: bool) -> Self {
+        let mut new = Self { law, surface, excluded: BTreeSet::new(), half };
+        let boxes_at_rest = new.surface.boxes(&new.surface.undisplaced());
+        new.excluded = new.close_face_pairs(&boxes_at_rest, APART * law.range).into_iter().collect();
         new
+    }
+
+    /// The same between some of its faces alone.
+    pub(crate) fn between_faces(&self, faces: &BTreeSet<u32>) -> Self {
+        Self::between(self.surface.with_faces(faces), self.law, self.half)
+    }
+
+    /// The faces that are within `reach` of one that they may meet, at `u`.
+    pub(crate) fn faces_within(&self, u: &[f64], reach: Metre) -> BTreeSet<u32> {
+        let pairs = self.close_face_pairs(&self.surface.boxes(u), reach);
+        let near = pairs.iter().filter(|pair| hull::hull_gap(&self.face_hulls(pair, u)) < reach);
+        near.flat_map(|pair| pair.faces().map(|(face, _)| face)).collect()
+    }
+
+    /// The nodes of its faces.
+    pub(crate) fn nodes(&self) -> BTreeSet<u32> {
+        self.surface.all_nodes().collect()
     }
 
     /// Pairs of faces whose boxes are closer than `reach` and that repel each other.

@@ -6,7 +6,7 @@ use crate::assembly::shape_functions::{TRIANGLE_IN_FACE, face as shape_functions
 use crate::mesh::{Faces, Mesh};
 use nalgebra::Vector3;
 use si::{Metre, Point2, SquareMetre};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Nodes of a face at most.
@@ -56,6 +56,27 @@ impl Surface {
             areas.push(corner_area(&corners) / (pieces * pieces) as f64);
         }
         Self { faces, rest: rest_positions, shapes, areas }
+    }
+
+    /// Some of its faces, which are counted anew.
+    pub(crate) fn with_faces(&self, faces: &BTreeSet<u32>) -> Self {
+        let indices = || faces.iter().map(|&face| face as usize);
+        Self {
+            faces: self.faces.selected(indices()),
+            rest: Arc::clone(&self.rest),
+            shapes: indices().map(|face| Arc::clone(&self.shapes[face])).collect(),
+            areas: indices().map(|face| self.areas[face]).collect(),
+        }
+    }
+
+    /// The displacement of the mesh at rest.
+    pub(crate) fn undisplaced(&self) -> Vec<f64> {
+        vec![0.0; 3 * self.rest.len()]
+    }
+
+    /// The nodes of all faces, one for each face that has it.
+    pub(crate) fn all_nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.faces.len()).flat_map(|face| self.faces.nodes(face).iter().copied())
     }
 
     /// Node numbers of a face, 3, 6 or 8.

@@ -106,6 +106,17 @@ impl Faces {
         self.len() == 0
     }
 
+    /// The faces with these `indices`.
+    pub(crate) fn selected(&self, indices: impl Iterator<Item = usize>) -> Self {
+        match self {
+            Self::Linear(faces) => Self::Linear(indices.map(|face| faces[face]).collect()),
+            Self::Quadratic(faces) => Self::Quadratic(indices.map(|face| faces[face]).collect()),
+            Self::QuadraticQuadrilaterals(faces) => {
+                Self::QuadraticQuadrilaterals(indices.map(|face| faces[face]).collect())
+            }
+        }
+    }
+
     /// Number of nodes of one face: 3, 6 or 8.
     pub fn nodes_each(&self) -> usize {
         match self {

@@ -124,6 +124,7 @@ impl<'a> Run<'a> {
             pressures: &pressures,
             acting: &acting,
             external: &*external,
+            contact: None,
             time: end,
             past: past.weighted_history(&stencil),
         };

@@ -8,6 +8,7 @@
 mod acting;
 mod arrays;
 mod chamber_volume;
+mod contact;
 mod ecsw;
 mod elastic_forces;
 mod error;
@@ -23,6 +24,7 @@ mod step;
 mod training;
 
 pub use arrays::{ReducedArrays, ReducedRegion};
+pub use contact::ReducedContact;
 pub use error::ReducedError;
 pub use model::{ReducedModel, ReducedModelData};
 pub use motion::{Actuation, ReducedMotion};

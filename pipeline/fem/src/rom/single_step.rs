@@ -67,6 +67,7 @@ impl ReducedModel {
             pressures: given.pressures,
             acting: &acting,
             external: &NoForce,
+            contact: None,
             time: given.settings.step,
             past,
         };

@@ -11,6 +11,7 @@ use si::Pascal;
 
 use super::acting::ActingRegion;
 use super::chamber_volume::CubicVolume;
+use super::contact::ReducedContact;
 use super::elastic_forces::ReducedTangent;
 use super::error::ReducedError;
 use super::model::ReducedModel;
@@ -28,6 +29,7 @@ use crate::validation;
 pub struct ReducedSolver {
     model: Arc<ReducedModel>,
     regions: Vec<RegionProperties>,
+    contact: Option<Arc<ReducedContact>>,
 }
 
 /// A stable equilibrium of a reduced model.
@@ -46,7 +48,12 @@ impl ReducedSolver {
     /// When there is not one set of constants per region.
     pub fn new(model: Arc<ReducedModel>, regions: Vec<RegionProperties>) -> Self {
         assert_eq!(regions.len(), model.regions, "one set of constants per region");
-        Self { model, regions }
+        Self { model, regions, contact: None }
+    }
+
+    /// The same with walls that repel each other.
+    pub fn in_contact(self, contact: Option<Arc<ReducedContact>>) -> Self {
+        Self { contact, ..self }
     }
 
     /// The model.
@@ -112,14 +119,18 @@ impl ReducedSolver {
             pressures,
             acting: &acting,
             external: &NoForce,
+            contact: self.contact.as_deref(),
             time: 0.0,
             past: [zero(), zero(), zero()],
         };
-        let solved = equations.solve(predicted, nearby, &mut None);
+        let solved = equations.solve(&equations.admissible_shape(nearby, predicted), nearby, &mut None);
         let coordinates = solved.map_err(|change| no_convergence(0.0, change))?;
         let mut tangent = model.acting_stiffness(&coordinates, ReducedTangent::Exact, &acting);
         for (chamber, pressure) in model.chambers.iter().zip(pressures) {
             chamber.add_hessian(&coordinates, -pressure, &mut tangent);
+        }
+        if let Some(contact) = &self.contact {
+            contact.add_hessian(&coordinates, false, &mut tangent);
         }
         let factor = Cholesky::new(tangent).ok_or(SolveError::NotStable)?;
         Ok(ReducedEquilibrium { coordinates, factor })

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 use si::{Hertz, Pascal, Second};
 
 use super::acting::ActingRegion;
+use super::contact::ReducedContact;
 use super::elastic_forces::ReducedTangent;
 use super::error::ReducedError;
 use super::model::ReducedModel;
@@ -99,6 +100,8 @@ pub(super) struct Step<'a> {
     /// What acts in each region, damping and relaxation included.
     pub acting: &'a [ActingRegion],
     pub external: &'a dyn ExternalForce,
+    /// Between walls; none: they pass through each other.
+    pub contact: Option<&'a ReducedContact>,
     /// The end of the step, s.
     pub time: Second,
     /// v̂, â, f̂.
@@ -127,6 +130,7 @@ impl ReducedModel {
             pressures,
             acting: &self.elastic(scale),
             external: &NoForce,
+            contact: None,
             time: 0.0,
             past: [zero(), zero(), zero()],
         };
@@ -184,7 +188,7 @@ impl Step<'_> {
             if size < TOLERANCE {
                 return Some(q - change);
             }
-            if size.is_nan() || size > FARTHEST {
+            if size.is_nan() || size > FARTHEST || self.admissible_part(&q, &change) < 1.0 {
                 break;
             }
             let next = &q - change;
@@ -235,6 +239,7 @@ impl Step<'_> {
             if full_size < TOLERANCE {
                 return Ok(q - change);
             }
+            change *= self.admissible_part(&q, &change);
             let (part, next) = match (is_no_descent, full_size < SHORT) {
                 (true, _) => self.line_search(&q, &change, &residual, LONGEST),
                 (false, true) => (1.0, self.residual(&(&q - &change))),
@@ -252,6 +257,19 @@ impl Step<'_> {
             last = size;
         }
         Err(last)
+    }
+
+    /// The part of the step −`change` from `q` by which no wall passes through another.
+    fn admissible_part(&self, q: &DVector<f64>, change: &DVector<f64>) -> f64 {
+        self.contact.map_or(1.0, |contact| contact.admissible_part(q, &-change))
+    }
+
+    /// `to`, or as much of the straight way from `from` to it as takes no wall through another.
+    pub fn admissible_shape(&self, from: &DVector<f64>, to: &DVector<f64>) -> DVector<f64> {
+        match self.admissible_part(from, &(from - to)) {
+            1.0 => to.clone(),
+            part => from.lerp(to, part),
+        }
     }
 
     /// Length of the step −`change` from `q`, and the residual there. The whole step, doubled up to `longest` while the
@@ -308,6 +326,9 @@ impl Step<'_> {
         for (chamber, pressure) in self.model.chambers.iter().zip(self.pressures) {
             chamber.add_gradient(q, -pressure, &mut residual);
         }
+        if let Some(contact) = self.contact {
+            contact.add_gradient(q, &mut residual);
+        }
         residual
     }
 
@@ -319,6 +340,9 @@ impl Step<'_> {
         tangent += self.model.acting_stiffness(q, kind, self.acting);
         for (chamber, pressure) in self.model.chambers.iter().zip(self.pressures) {
             chamber.add_hessian(q, -pressure, &mut tangent);
+        }
+        if let Some(contact) = self.contact {
+            contact.add_hessian(q, matches!(kind, ReducedTangent::Convex), &mut tangent);
         }
         let (here, step) = (self.external_force(q), DIFFERENCE * self.model.size);
         for (i, mut column) in tangent.column_iter_mut().enumerate() {

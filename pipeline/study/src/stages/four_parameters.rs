@@ -46,7 +46,7 @@ impl Stage for FourParameters {
     type Needs = (Mesh, Identified);
     type Makes = records::FourParameters;
     const DESCRIPTION: &'static str = "both Poisson's ratios are identified as well";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
     fn run(
         card: &Self::Card,

@@ -59,7 +59,7 @@ impl Stage for MeshSensitivity {
     type Needs = Identified;
     type Makes = records::MeshSensitivity;
     const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 10;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)

@@ -105,7 +105,7 @@ impl Stage for Comparison {
     type Needs = (Mesh, Identified);
     type Makes = MethodComparison;
     const DESCRIPTION: &'static str = "every method searches the same loss";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn run(
         card: &Self::Card,

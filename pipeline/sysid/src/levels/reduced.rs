@@ -35,8 +35,9 @@ impl LevelSolver {
             .zip(regions.iter().zip(&changes))
             .map(|(shape, (regions, changes))| Snapshot { displacement: &shape.shape, regions, changes })
             .collect();
-        let reduced = self.model().system.reduce_trained(&training, &SETTINGS);
-        let shapes = ReducedShapes::new(self.model(), reduced?);
+        let reduced = self.model().system.reduce_trained(&training, &SETTINGS)?;
+        let displacements: Vec<&[f64]> = training.iter().map(|snapshot| snapshot.displacement).collect();
+        let shapes = ReducedShapes::new(self.model(), reduced, &displacements)?;
         let mut coordinates = Surrogate::default();
         training_shapes.iter().rev().for_each(|shape| coordinates.add(projected_shape(shape, &shapes)));
         Ok(self.seeking(Unknowns::Coordinates(shapes.into()), coordinates))

@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use fem::{Equilibrium, Parameter, ReducedEquilibrium, ReducedModel, ReducedSolver, Solver, StaticSettings};
+use fem::{
+    Equilibrium, Parameter, ReducedContact, ReducedEquilibrium, ReducedModel, ReducedSolver, Solver, StaticSettings,
+};
 use nalgebra::{DMatrix, DVector};
 use si::{Pascal, Point2};
 
@@ -67,13 +69,18 @@ pub(crate) enum Unknowns {
 pub(crate) struct ReducedShapes {
     model: Arc<ReducedModel>,
     regions: Vec<fem::RegionProperties>,
+    contact: Option<Arc<ReducedContact>>,
     /// Displacement of each marker in the plane by coordinate: 2 markers × coordinates.
     markers: DMatrix<f64>,
 }
 
 impl ReducedShapes {
-    /// Of the `reduced` model of `whole`.
-    pub fn new(whole: &Model, reduced: ReducedModel) -> Self {
+    /// Of the `reduced` model of `whole`, with contact between walls that came close to each other in one of the `shapes` (m, 3 a node).
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a shape is not one of this body.
+    pub fn new(whole: &Model, reduced: ReducedModel, shapes: &[&[f64]]) -> Result<Self> {
+        let contact = whole.system.reduced_contact(&reduced, shapes)?.map(Arc::new);
         let row = |spot: &mesh::Spot, axis: usize| {
             let mut row = DVector::zeros(reduced.coordinates());
             for &(node, weight) in &spot.weights {
@@ -83,7 +90,8 @@ impl ReducedShapes {
             row.transpose()
         };
         let rows: Vec<_> = whole.markers.iter().flat_map(|spot| [row(spot, 0), row(spot, 1)]).collect();
-        Self { regions: whole.system.regions().to_vec(), markers: DMatrix::from_rows(&rows), model: Arc::new(reduced) }
+        let (regions, markers) = (whole.system.regions().to_vec(), DMatrix::from_rows(&rows));
+        Ok(Self { regions, contact, markers, model: Arc::new(reduced) })
     }
 
     /// The coordinates nearest to a displacement of all nodes (m, 3 a node).
@@ -110,7 +118,8 @@ impl Unknowns {
                 last: Equilibrium::default(),
             }),
             Self::Coordinates(shapes) => Box::new(ReducedBody {
-                solver: ReducedSolver::new(Arc::clone(&shapes.model), shapes.regions.clone()),
+                solver: ReducedSolver::new(Arc::clone(&shapes.model), shapes.regions.clone())
+                    .in_contact(shapes.contact.clone()),
                 shapes: Arc::clone(shapes),
                 last: None,
             }),
