@@ -137,10 +137,10 @@ const fn designed(name: &'static str, tail: fn() -> Tail) -> Specimen {
 /// by 71°, and the slack wall buckles near the clamp.
 fn nine_chambers() -> Tail {
     Tail {
-        wall: [1.7e-3; 2],
+        wall: [1.55e-3; 2],
         rib: 1.5e-3,
         inner_wall: 0.4e-3,
-        top_wall: 1.7e-3,
+        top_wall: 1.55e-3,
         sheet: 0.6e-3,
         slot_share: 0.5,
         ..Tail::nine_chambers()

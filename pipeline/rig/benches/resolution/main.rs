@@ -115,10 +115,9 @@ const SILICONE: f64 = 0.2305e6;
 /// Iterations after which steps were given up before.
 const FORMER_ITERATIONS: usize = 16;
 
-/// Nemo with the walls of the tables in `mesh` and `fem`, so that errors stay comparable when the specimen's walls are chosen anew.
 fn nemo() -> Tail {
     let specimen = rig::specimens::ALL.iter().find(|specimen| specimen.name == "nemo").expect("the bench has Nemo");
-    Tail { wall: [1.55e-3; 2], top_wall: 1.55e-3, ..(specimen.tail)() }
+    (specimen.tail)()
 }
 
 fn system(mesh: Mesh, options: Options) -> System {
