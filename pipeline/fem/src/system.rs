@@ -103,7 +103,7 @@ impl System {
         Ok(Self { data: Arc::new(data) })
     }
 
-    /// The same body whose walls pass through each other: what a reduced model, which has no contact, is reduced from.
+    /// The same body whose walls pass through each other: what a reduced model of motions, which have no contact, is reduced from.
     #[must_use]
     pub fn without_contact(&self) -> Self {
         Self { data: Arc::new(SystemData { contact: None, ..SystemData::clone(&self.data) }) }
@@ -195,6 +195,11 @@ impl System {
     /// Volume of the solid at rest, m³; of a half model, of the half.
     pub fn volume(&self) -> CubicMetre {
         self.data.reference.volumes.iter().sum()
+    }
+
+    /// Volume of each element at rest, m³.
+    pub fn element_volumes(&self) -> &[CubicMetre] {
+        &self.data.reference.volumes
     }
 
     /// Volume of the cavity of `chamber` at `displacement` (3 per node, m), m³; of a half model, of the half.

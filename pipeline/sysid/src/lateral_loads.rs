@@ -1,8 +1,8 @@
 //! Lateral loads on a body like those of its inertia and of the water around it.
 
 use diagnostics::Result;
-use fem::StaticSettings;
-use si::vec3;
+use fem::{StaticSettings, System};
+use si::CubicMetre;
 
 use crate::model::{BODY, Elastic, Model};
 
@@ -27,7 +27,7 @@ pub(crate) fn pull(model: &Model, elastic: &Elastic, load: Lateral) -> Result<Ve
     let mut forces = vec![0.0; 3 * system.mesh().nodes.len()];
     let weights = match load {
         Lateral::Inertia => system.node_masses().to_vec(),
-        Lateral::Water => plate_volumes(system.mesh()).unwrap_or_else(|| system.node_masses().to_vec()),
+        Lateral::Water => plate_volumes(system).unwrap_or_else(|| system.node_masses().to_vec()),
     };
     for (i, (node, weight)) in system.mesh().nodes.iter().zip(&weights).enumerate() {
         forces[3 * i + 1] = weight * (node[0].max(0.0) / far).powi(2);
@@ -44,13 +44,50 @@ pub(crate) fn pull(model: &Model, elastic: &Elastic, load: Lateral) -> Result<Ve
 }
 
 /// Of the solids beside the body, the volume around each node, m³: of a plate of one thickness the area, but for a factor; none of a body alone.
-fn plate_volumes(mesh: &fem::Mesh) -> Option<Vec<f64>> {
+fn plate_volumes(system: &System) -> Option<Vec<CubicMetre>> {
+    let mesh = system.mesh();
     let mut node_volumes = vec![0.0; mesh.nodes.len()];
-    for element in (0..mesh.elements.len()).filter(|&e| mesh.regions[e] != BODY as u16) {
-        let nodes = mesh.elements.nodes(element);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| mesh.nodes[nodes[k] as usize]);
-        let volume = vec3::dot(vec3::sub(b, a), vec3::cross(vec3::sub(c, a), vec3::sub(d, a))).abs() / 6.0;
-        nodes.iter().for_each(|&node| node_volumes[node as usize] += volume / nodes.len() as f64);
+    for (element, volume) in system.element_volumes().iter().enumerate() {
+        if mesh.regions[element] != BODY as u16 {
+            let nodes = mesh.elements.nodes(element);
+            nodes.iter().for_each(|&node| node_volumes[node as usize] += volume / nodes.len() as f64);
+        }
     }
     node_volumes.iter().any(|volume| *volume > 0.0).then_some(node_volumes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fem::{Clamps, Mesh, RegionProperties, box_mesh, materials};
+
+    const SIDES: [f64; 3] = [0.06, 0.01, 0.02];
+
+    /// A block whose middle third in y is a sheet of another region.
+    fn block(mut mesh: Mesh) -> System {
+        let is_sheet = |element: usize| {
+            let nodes = mesh.elements.nodes(element);
+            let middle = nodes.iter().map(|&node| mesh.nodes[node as usize][1]).sum::<f64>() / nodes.len() as f64;
+            (middle / SIDES[1] - 0.5).abs() < 1.0 / 6.0
+        };
+        mesh.regions = (0..mesh.elements.len()).map(|element| u16::from(is_sheet(element))).collect();
+        let law = materials::by_name("neo_hookean").expect("a law of the project");
+        let clamps = Clamps::below_x(&mesh, 1e-9);
+        let solid = |e: f64| RegionProperties::elastic(law, e, 0.4, 1000.0);
+        System::new(mesh, vec![solid(2e5), solid(4e9)], clamps).expect("a block with a sheet")
+    }
+
+    #[test]
+    fn a_sheet_has_its_volume_at_its_own_nodes_in_tetrahedra_and_in_hexahedra() {
+        let place = |at: [f64; 3]| [0, 1, 2].map(|axis| SIDES[axis] * at[axis]);
+        let hexahedra = box_mesh::quadratic_hexahedra([4, 3, 2], false, place, |_| Some(0));
+        for mesh in [hexahedra, box_mesh::quadratic(SIDES, [4, 3, 2])] {
+            let system = block(mesh);
+            let volumes = plate_volumes(&system).expect("there is a sheet");
+            let total: f64 = volumes.iter().sum();
+            assert!((total / (SIDES.iter().product::<f64>() / 3.0) - 1.0).abs() < 1e-9, "{total:e}");
+            let is_outside = |(at, volume): (&[f64; 3], &f64)| (at[1] / SIDES[1] - 0.5).abs() > 0.2 && *volume > 0.0;
+            assert!(!system.mesh().nodes.iter().zip(&volumes).any(is_outside));
+        }
+    }
 }

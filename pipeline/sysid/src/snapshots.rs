@@ -59,7 +59,7 @@ impl Snapshots<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`] when an equilibrium is not found.
-    // A reduced model has no contact: reduced from shapes in which walls press on each other, it has no equilibrium near them.
+    // Motions of a reduced model have no contact: reduced from shapes in which walls press on each other, it has no equilibrium near them.
     pub fn reduce(&self, tolerance: f64) -> Result<Reduction> {
         let free = self.model.without_contact();
         let touch = |shape: &[f64]| self.model.system.walls_touch(shape);

@@ -4,6 +4,7 @@
 //! Hyper-reduction by energy-conserving sampling and weighting (ECSW) [farhat2014], [hernandez2017]: the elastic forces
 //! of q are summed over a few hundred quadrature points with weights that reproduce the virtual work of all points
 //! (`ecsw`). The mass is projected, and the volumes of chambers are cubic polynomials of q (`chamber_volume`).
+//! In statics walls may repel each other (`contact`); in motions they pass through each other.
 
 mod acting;
 mod arrays;

@@ -53,7 +53,7 @@ impl Stage for Reduce {
     type Needs = (Mesh, Identified);
     type Makes = Reduced;
     const DESCRIPTION: &'static str = "the identified model is reduced to a few dozen coordinates";
-    const VERSION: u32 = 11;
+    const VERSION: u32 = 12;
 
     fn run(
         card: &Self::Card,
