@@ -98,8 +98,6 @@ impl<'a> Equations<'a> {
             }
             self.evaluate_residual();
             if !self.is_finite() {
-                // Such an iterate has no forces. Without a way back a step in which it occurred was lost with all its
-                // halves: a thin-walled tail under the pressures of its hardest recorded flap.
                 self.take_back();
                 is_usable = false;
             }
@@ -125,6 +123,8 @@ impl<'a> Equations<'a> {
     fn take_back(&mut self) {
         let mut part = 1.0;
         self.evaluate_residual();
+        // Such an iterate has no forces. Without a way back a step in which it occurred was lost with all its halves: a
+        // thin-walled tail under the pressures of its hardest recorded flap.
         while part > SHORTEST_PART && !self.is_finite() {
             part *= 0.5;
             add(&mut self.space.coordinates, part, &self.space.change);
