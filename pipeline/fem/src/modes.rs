@@ -37,6 +37,8 @@ impl Solver {
         }
         self.assemble(at)?;
         self.factorise(at)?;
+        // Bathe's choice: with fewer vectors the last modes wanted converge with a ratio near one, and each more costs
+        // a solve an iteration.
         let size = (2 * count).min(count + 8).min(dofs);
         let mut vectors: Vec<Vec<f64>> = (0..size).map(|seed| self.start_vector(seed)).collect();
         let mut previous_values = vec![f64::INFINITY; size];
@@ -72,6 +74,8 @@ impl Solver {
         let products = |right: &[Vec<f64>]| {
             let count = solved.len();
             let full = DMatrix::from_fn(count, count, |i, k| dot(&solved[i], &right[k]));
+            // Solves leave the products unsymmetric by rounding, and Cholesky's factor and the eigenvalues read one
+            // triangle alone.
             (&full + full.transpose()) * 0.5
         };
         // K y = M x, so that yᵀ K y needs no product with K.

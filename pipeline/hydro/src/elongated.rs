@@ -18,6 +18,8 @@ pub(crate) fn virtual_mass(density: KilogramPerCubicMetre, depth: Metre) -> f64 
 
 /// ½ m ẏ², N: the paper's simplification, with the lateral velocity at the trailing edge; never negative.
 pub fn trailing_edge(mass: f64, edge: &Section) -> ValueWithGradient {
+    // ẏ and not w: without swimming speed u = ẋ x' + ẏ y' is of second order in the motion, w − ẏ and the flux m u w y'
+    // are of higher order still. What remains, and is positive, is the formula as published.
     let speed = ValueWithGradient { value: edge.velocity[1], by_tangent: [0.0; 2], by_velocity: [0.0, 1.0] };
     speed.mul(speed).scaled(0.5 * mass)
 }

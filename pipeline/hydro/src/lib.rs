@@ -101,6 +101,8 @@ impl ValueWithGradient {
 
     /// |value|; its derivative at zero is taken as zero.
     pub fn abs(self) -> Self {
+        // `signum` of a zero is ±1 by its sign bit: the gradient of a tail at rest would depend on it. The drag |w| w
+        // has the slope zero there under either choice.
         let sign = if self.value == 0.0 { 0.0 } else { self.value.signum() };
         self.scaled(sign)
     }

@@ -66,6 +66,8 @@ impl CentreLine {
             let previous_length = self.knots[i] - self.knots[i - 1];
             let rise = (values[i] - values[i - 1]) / previous_length;
             let (lower, centre, coupling, load) = match self.knots.get(i + 1) {
+                // A natural end: no moment acts on the free end. With a slope prescribed there, the last interval would
+                // bend to an assumption.
                 None => (1.0, 2.0, 0.0, 3.0 * rise),
                 Some(next) => {
                     let next_length = next - self.knots[i];
@@ -79,6 +81,7 @@ impl CentreLine {
                     )
                 }
             };
+            // No pivoting: the diagonal of each row but the first, which is 1 alone, is twice the sum of its other entries.
             let factor = lower / diagonal[i - 1];
             diagonal[i] = centre - factor * upper[i - 1];
             right_side[i] = load - factor * right_side[i - 1];
@@ -98,6 +101,8 @@ impl CentreLine {
         if a <= self.knots[0] {
             return (0.0, 0.0);
         }
+        // The line is linear beyond the last marker, which is its C² continuation as d'' = 0 there; the last cubic
+        // continued would let a marker's error grow with the cube of the distance.
         if a >= self.knots[last] {
             return (values[last] + slopes[last] * (a - self.knots[last]), slopes[last]);
         }

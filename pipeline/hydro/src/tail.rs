@@ -130,6 +130,8 @@ impl Tail {
         let line = CentreLine::new(clamp, marks).filter(|_| marks.iter().all(|m| *m <= end)).ok_or_else(error)?;
         let slices = |start: Metre, stop: Metre, count: usize| -> Vec<Slice> {
             let length = (stop - start) / count as f64;
+            // The midpoint rule has half the error constant of the trapezoidal rule, and no section lies at the clamp,
+            // where all weights vanish, or at the edge, whose flux is added apart.
             let middles = (0..count).map(|i| start + (i as f64 + 0.5) * length);
             middles.map(|a| Slice { weights: line.at(a), depth: depth(a), length }).collect()
         };
@@ -225,6 +227,8 @@ impl Slice {
         let weighted_sum =
             |weights: &[f64], marks: &[Point2], k: usize| weights.iter().zip(marks).map(|(w, m)| w * m[k]).sum::<f64>();
         let Weights { value, slope } = &self.weights;
+        // Not normalised: the tail keeps its length, so |r'| differs from 1 by the interpolation alone, and the
+        // derivative by a displacement stays a constant weight.
         let tangent = [1.0 + weighted_sum(slope, displacement, 0), weighted_sum(slope, displacement, 1)];
         Section { tangent, velocity: [weighted_sum(value, velocity, 0), weighted_sum(value, velocity, 1)] }
     }

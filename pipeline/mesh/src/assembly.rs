@@ -58,6 +58,7 @@ impl<'a> Assembly<'a> {
         for inner in (1..surfaces.len()).rev() {
             for outer in (0..inner).rev() {
                 let share = share_inside(surfaces[inner], |probe| windings[outer].number_at(probe) > 0.5);
+                // Not 1 and 0: where the surfaces share faces, probes beside these fall to either side by rounding.
                 if share > 0.98 {
                     volumes[outer] = volumes[outer].zip(volumes[inner]).map(|(v, _)| v - surfaces[inner].volume());
                     break;
@@ -109,6 +110,8 @@ struct Space {
 
 impl Space {
     fn part_at(&self, point: Point3) -> usize {
+        // Half and not one: the winding number about a surface with gaps is no whole number, and decides by half all
+        // the same.
         let holding = self.windings.iter().rposition(|w| w.number_at(point) > 0.5);
         holding.filter(|part| *part < self.solids).unwrap_or(usize::MAX)
     }
@@ -161,6 +164,8 @@ fn visible_pieces(
         // corners are seen from a little within the piece: on an edge of the surface a place has no one side
         let inner = piece.map(|p| is_visible(add(scale(p, 0.9), scale(centre, 0.1))));
         let count = inner.into_iter().chain([is_visible(centre)]).filter(|v| *v).count();
+        // Four places of a long piece may all be seen while something narrow hides what lies between them: it is cut in
+        // any case.
         if lengths[longest_side] > longest || (count % 4 != 0 && lengths[longest_side] > shortest) {
             let [p, q, tip] = sides[longest_side];
             let half = scale(add(p, q), 0.5);

@@ -54,6 +54,8 @@ pub(crate) fn cavity_from_moment(moment: Point3, volume: f64, cut: bool) -> Cavi
 /// −½ ∮ x_k² n_k dA, m⁴, and −⅓ ∮ x · n dA, m³, over one face of 3, 6 or 8 nodes.
 pub(crate) fn moment_and_volume(corners: &[Point3]) -> (Point3, CubicMetre) {
     let (mut moment, mut volume) = ([0.0; 3], 0.0);
+    // Four points each way: x_k² n_k is of degree 7 in each variable on eight nodes, and of degree 6 on six, of which
+    // the collapse onto the triangle makes 7.
     for (xi, weight) in GAUSS {
         for (part, other) in GAUSS {
             // onto the triangle

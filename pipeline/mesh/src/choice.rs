@@ -107,6 +107,8 @@ fn mesh_tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) ->
         Method::General => Ok((mesh_general(assembly, set, watch)?, None)),
         // the general method meshes whole bodies alone
         Method::Auto if set.use_symmetry => Ok((mesh_columns(assembly, set)?, None)),
+        // A limit closer than the columns' own: those of a round bellows were 0.53 % short of its volume and passed
+        // theirs of 2 %.
         Method::Auto => {
             match mesh_columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
                 Ok(made) => Ok((made, None)),

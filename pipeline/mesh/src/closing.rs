@@ -10,6 +10,7 @@ use si::vec3::{cross, norm, sub};
 use si::{Metre, Point3, SquareMetre};
 
 /// Corners of a hole at most: the least area is sought in the cube of their number.
+// Some 0.3 million triangles are weighed for that many; a hole of a thousand corners would take 170 million.
 const MAX_CORNERS: usize = 120;
 /// A hole wider than this part of the surface's length is an opening that was meant.
 const WIDEST: f64 = 0.25;
@@ -67,6 +68,8 @@ fn open_edges(faces: &[[u32; 3]]) -> BTreeSet<[u32; 2]> {
 
 /// The faces with corners of open edges that are nearer than `tolerance` made one, and how many corners went.
 fn weld_seams(surface: &Surface, open: &BTreeSet<[u32; 2]>, tolerance: Metre) -> (Vec<[u32; 3]>, usize) {
+    // Corners of open edges alone: welding all that are near would collapse thin walls and slits of the part that is
+    // closed.
     let corners: BTreeSet<u32> = open.iter().flatten().copied().collect();
     let cell = |point: &Point3| point.map(|x| (x / tolerance).floor() as i64);
     let mut kept: BTreeMap<[i64; 3], Vec<u32>> = BTreeMap::new();

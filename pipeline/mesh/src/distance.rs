@@ -32,6 +32,7 @@ impl Nearest {
             size += norm(sub(h, l));
         }
         let side = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        // 64 a side bound the grid to some 0.26 million cells, however small the triangles of a large surface are.
         let cell = (size / corners.len().max(1) as f64).max(side / 64.0).max(f64::MIN_POSITIVE);
         let counts = [0, 1, 2].map(|k| (((high[k] - low[k]) / cell) as usize) + 1);
         let mut grid = Self { corners, low, cell, counts, starts: Vec::new(), members: Vec::new() };

@@ -138,6 +138,7 @@ struct Middles {
 impl Middles {
     fn middle_of(&mut self, a: u32, b: u32) -> u32 {
         let next = self.nodes.len() as u32;
+        // The map is asked and never walked: its order differs from run to run, that of first use does not.
         let middle = *self.known.entry([a.min(b), a.max(b)]).or_insert(next);
         if middle == next {
             let (p, q) = (self.nodes[a as usize], self.nodes[b as usize]);

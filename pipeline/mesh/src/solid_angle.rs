@@ -38,6 +38,7 @@ fn holding_chamber<'a>(
     }
     angles
         .into_iter()
+        // Half of 4π decides: chords of curved walls, and a point near a wall, change the sum by less.
         .find(|(_, angle): &(u16, f64)| angle.abs() > 2.0 * std::f64::consts::PI)
         .map(|(chamber, _)| chamber)
 }

@@ -257,6 +257,8 @@ pub(crate) fn solid_angle(corners: [Point3; 3], at: Point3) -> f64 {
     let [a, b, c] = corners.map(|p| sub(p, at));
     let (la, lb, lc) = (norm(a), norm(b), norm(c));
     let below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    // `atan2` and not the quotient: near the face, half of the angle exceeds a right angle and `below` changes its
+    // sign.
     2.0 * dot(a, cross(b, c)).atan2(below)
 }
 
@@ -265,6 +267,8 @@ pub(crate) fn connected_components(count: usize, links: impl Iterator<Item = [u3
     let mut root: Vec<u32> = (0..count as u32).collect();
     for [a, b] in links {
         let (a, b) = (find_root(&mut root, a), find_root(&mut root, b));
+        // The lower member becomes the root, and not that of the smaller tree: numbers then do not depend on the order
+        // of the links.
         root[a.max(b) as usize] = a.min(b);
     }
     let (mut number, mut next) = (vec![0; count], 0);

@@ -251,6 +251,7 @@ pub(crate) fn hausdorff_distances(
 fn farthest_sample(nearest: &Nearest, &[a, b, c]: &[Point3; 3], fold: impl Fn(Point3) -> Point3) -> (Metre, Point3) {
     let middle = |p: Point3, q: Point3| [0, 1, 2].map(|k| (p[k] + q[k]) / 2.0);
     let centre = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
+    // Seven places: corners alone of a coarse face that spans a dent lie on the surface, and would show no distance.
     let samples = [a, b, c, middle(a, b), middle(b, c), middle(c, a), centre].map(fold);
     let distance = |point: Point3| nearest.find(point).map_or(f64::INFINITY, |hit| hit.distance);
     samples.into_iter().map(|s| (distance(s), s)).fold((0.0, a), |worst, d| if d.0 > worst.0 { d } else { worst })

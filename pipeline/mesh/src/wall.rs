@@ -29,6 +29,8 @@ pub struct Section {
 }
 
 /// Nodes nearer to mid height than this belong to the section, m.
+// Single precision in an STL rounds coordinates of 100 mm to 7 nm; the smallest cells are a hundred times longer than
+// this.
 const NEAR: Metre = 1e-6;
 
 impl Section {

@@ -109,6 +109,8 @@ fn lag_interval(candidates: &[(CrossTalk, f64)], best: &CrossTalk, independent: 
 fn independent_samples(residuals: &[f64]) -> f64 {
     let variance_sum: f64 = residuals.iter().map(|r| r * r).sum();
     let lagged_sum: f64 = residuals.windows(2).map(|r| r[0] * r[1]).sum();
+    // A first-order autoregressive process has n (1 − ρ)/(1 + ρ) independent values. Below 0 there would be more than
+    // were measured, and at 1 none.
     let correlation = (lagged_sum / variance_sum.max(f64::MIN_POSITIVE)).clamp(0.0, 0.99);
     residuals.len() as f64 * (1.0 - correlation) / (1.0 + correlation)
 }
@@ -153,6 +155,8 @@ fn fit_with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<(Cr
     let mut forces = vec![0.0];
     weights[..rise_count].iter().for_each(|rise| forces.push(forces[forces.len() - 1] + rise));
     let sample_count = independent_samples(&residuals);
+    // (AᵀA)⁻¹ alone counts each sample as independent, and would be too small by √(n/n_independent) where the log
+    // drifts or lags.
     let sigma = residual * (total as f64 / sample_count).sqrt() * sigma_of_sum(&columns, rise_count)?;
     let talk = CrossTalk { pressures: knots.to_vec(), forces, lag, lag_interval: [lag; 2], residual, sigma };
     Some((talk, sample_count))

@@ -104,6 +104,7 @@ pub fn edges(signal: &Series, window: Window) -> Result<Vec<Edge>, EdgeError> {
 pub fn edges_at(times: &[Second], values: &[f64], window: impl Fn(usize) -> Window) -> Result<Vec<Edge>, EdgeError> {
     for (k, pair) in times.windows(2).enumerate() {
         let (width, period) = (window(k).width, pair[1] - pair[0]);
+        // An exposure of the whole period, a shutter of 360°, must pass although times of frames are rounded.
         if !(0.0..=period * (1.0 + 1e-9)).contains(&width) {
             return Err(EdgeError::Overlap { width, period });
         }
@@ -174,6 +175,8 @@ fn signal_levels(values: &[f64]) -> Result<Levels, EdgeError> {
     }
     let midpoint = 0.5 * (low + high);
     let deviations = values.iter().map(|&v| (v - if v < midpoint { low } else { high }).abs());
+    // The median absolute deviation, 1/1.4826 of σ for a normal distribution: samples in mid edge would dominate a
+    // standard deviation, and the more so the faster the lamp blinks.
     let noise = 1.4826 * upper_median(deviations).unwrap_or(0.0);
     if high - low > LEVELS_APART * noise && high > low {
         Ok(Levels { low, high, noise })

@@ -54,6 +54,7 @@ pub fn low_pass(signal: &Series, cutoff: Hertz, sections: usize) -> Result<Serie
     if !(cutoff > 0.0 && cutoff < half) {
         return Err(SmoothError::Cutoff { cutoff, rate: signal.rate(), half });
     }
+    // Three times the taps of the filter, SciPy's default: the continuation's length shows in the values at the ends.
     let (samples, pad) = (signal.values().len(), 3 * (2 * sections + 1));
     if samples <= pad {
         return Err(SmoothError::Short { samples, needed: pad + 1, sections });
@@ -70,6 +71,8 @@ pub fn low_pass(signal: &Series, cutoff: Hertz, sections: usize) -> Result<Serie
 
 /// Sections of a Butterworth low-pass by the bilinear transform; `cutoff` in cycles a sample.
 fn butterworth_sections(cutoff: f64, sections: usize) -> Vec<Section> {
+    // Prewarped: without the tangent the bilinear transform puts the half-power point below the cutoff by (πf꜀/r)²/3 of
+    // it.
     let w = (PI * cutoff).tan();
     let section = |k: usize| {
         let damping = 2.0 * (PI * (2 * k + 1) as f64 / (4 * sections) as f64).sin();
@@ -83,6 +86,8 @@ fn butterworth_sections(cutoff: f64, sections: usize) -> Vec<Section> {
 /// The values with `pad` more on each side, by point reflection.
 fn reflected_values(values: &[f64], pad: usize) -> Vec<f64> {
     let (first, last, n) = (values[0], values[values.len() - 1], values.len());
+    // Point reflection continues value and slope. An even reflection would put a kink at the end, which the filter
+    // rounds off.
     let leading = (1..=pad).rev().map(|i| 2.0 * first - values[i]);
     let trailing = (1..=pad).map(|i| 2.0 * last - values[n - 1 - i]);
     leading.chain(values.iter().copied()).chain(trailing).collect()
@@ -90,6 +95,8 @@ fn reflected_values(values: &[f64], pad: usize) -> Vec<f64> {
 
 /// One pass of all sections in place (transposed direct form II), started in the steady state of the first value.
 fn filter_in_place(sections: &[Section], values: &mut [f64]) {
+    // A cascade and not one polynomial: its roots crowd at z = 1 for a low cutoff, where coefficients in double
+    // precision no longer place them.
     for Section { b, a } in sections {
         let steady = values[0]; // each section has unit gain at rest
         let mut states = [(1.0 - b[0]) * steady, (b[2] - a[1]) * steady];

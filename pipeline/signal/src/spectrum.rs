@@ -32,6 +32,8 @@ pub fn inverse(mut bins: Vec<Phasor>, samples: usize) -> Vec<f64> {
 
 /// Σ x_n e^(−iω t_n) Δt at one frequency (Hz), of samples at `rate` (Hz) of which the first was taken at `start` (s).
 pub fn at(values: &[f64], start: Second, rate: Hertz, frequency: Hertz) -> Phasor {
+    // The sum and not a bin of a fast transform: two logs of different rates are compared at the same frequencies,
+    // which are bins of neither.
     let rotation = |n: usize| Phasor::from_polar(1.0 / rate, -TAU * frequency * (start + n as f64 / rate));
     values.iter().enumerate().map(|(n, x)| rotation(n) * x).sum()
 }

@@ -125,6 +125,7 @@ pub fn lag(time: &[Second], measured: &[Point2], simulated: &[Point2], frequency
     };
     let phase_lag = phase(simulated) - phase(measured);
     let half = std::f64::consts::PI;
+    // The shortest lag of those that differ by whole periods, which a phase does not tell apart.
     ((phase_lag + half).rem_euclid(2.0 * half) - half) / turn
 }
 

@@ -47,6 +47,7 @@ fn count_swellings(profile: &[f64]) -> usize {
     let (mut count, mut peak, mut neck) = (0, None, 0.0_f64);
     for &width in profile {
         match peak {
+            // By a factor and not by extrema: sections of a mesh ripple along it, and every ripple has a maximum.
             Some(widest) if width < NECK * widest => (peak, neck) = (None, width),
             Some(widest) => peak = Some(width.max(widest)),
             None if neck < NECK * width => (peak, count) = (Some(width), count + 1),

@@ -56,6 +56,8 @@ pub fn linear((x, y): (&[f64], &[f64]), value: &dyn Fn(f64, f64) -> f64, (across
         let i = axis.partition_point(|&v| v < t).clamp(1, axis.len() - 1);
         let (low, high) = (axis[i - 1], axis[i]);
         let part = ((t - low) / (high - low)).clamp(0.0, 1.0);
+        // Corners without a share are left out: zero times NaN is NaN, and a gap would spread into the neighbouring
+        // cells.
         [(low, 1.0 - part), (high, part)].into_iter().filter(|(_, part)| *part > 0.0).collect::<Vec<_>>()
     };
     let interpolated = |u: f64, v: f64| {

@@ -30,6 +30,7 @@ pub(crate) fn pull(model: &Model, elastic: &Elastic, load: Lateral) -> Result<Ve
         Lateral::Water => plate_volumes(system).unwrap_or_else(|| system.node_masses().to_vec()),
     };
     for (i, (node, weight)) in system.mesh().nodes.iter().zip(&weights).enumerate() {
+        // As the first mode of a cantilever grows near its clamp; nodes behind it do not move.
         forces[3 * i + 1] = weight * (node[0].max(0.0) / far).powi(2);
     }
     let mut solver = model.solver(elastic)?;

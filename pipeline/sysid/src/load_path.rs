@@ -152,6 +152,7 @@ impl LoadPath<'_> {
 
     /// Sets the constants at `part` of the path in `solver` and returns the pressures there, Pa.
     fn apply_constants(&self, part: f64, solver: &mut dyn Statics) -> Result<Vec<Pascal>> {
+        // At the end the constants as they were given: those of a load come back from logarithms, with their rounding.
         if part == 1.0 {
             solver.set_constants(self.elastic)?;
             return Ok(self.pressures.to_vec());

@@ -81,6 +81,8 @@ impl Loss<'_> {
     pub fn problem(&self, bounds: Bounds) -> Result<Problem> {
         let (lower, upper) = (bounds.low[0], bounds.high[0]);
         let mut start = vec![0.0; self.body.materials.len()];
+        // A quarter of the range above a bound that excludes the card's value: at the bound itself walls are about to
+        // lose stability.
         start[0] = lower.max(0.0) + if lower > 0.0 { 0.25 * (upper - lower) } else { 0.0 };
         self.problem_from(start, bounds)
     }

@@ -116,6 +116,8 @@ impl Model {
         let size = longest_side(solid.nodes());
         let mut clamps = Clamps::where_nodes(&mesh, [true; 3], |node| body.clamp.holds(node, size));
         attached.clamped.iter().for_each(|node| clamps.constrain(*node, [true; 3]));
+        // Of the nominal modulus, which no search moves: a potential that followed E would add a term to every
+        // derivative by it.
         let soft = body.materials.first().map_or(1.0, |first| first.youngs_modulus);
         let contact = Some(Contact { range: CONTACT_RANGE * size, pressure: CONTACT_PRESSURE * soft });
         let system = System::with(mesh, regions, clamps, Options { contact, ..Options::default() })?;
@@ -131,6 +133,7 @@ impl Model {
     ///
     /// A marker beside its nominal position moves with the material at its actual position.
     pub fn with_markers_at(self, mesh: &QuadraticMesh, body: &Body, rest: &[Point2]) -> Self {
+        // The camera sees no height: that of the card stays.
         let spot = |(marker, position): (&Point3, &Point2)| mesh::embed(mesh, [position[0], position[1], marker[2]]).0;
         Self { markers: body.markers.iter().zip(rest).map(spot).collect(), ..self }
     }

@@ -7,6 +7,8 @@ use crate::levels::LevelSolver;
 use crate::model::{BODY, Elastic};
 
 /// Least range of the logarithm of the body's modulus.
+// A feasible bound close to the highest plausible modulus would leave the search next to no range, or none, which is
+// refused.
 const LEAST_RANGE: f64 = 0.1;
 
 /// Why a search stops: a diagnostic passed through an optimiser.

@@ -191,6 +191,8 @@ fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
 }
 
 fn static_settings() -> StaticSettings {
+    // A hundred times coarser than usual, and still below the 1e-5 of an amplitude (the root of the least share) that
+    // the modes leave out.
     StaticSettings { tolerance: 1e-6, ..StaticSettings::default() }
 }
 

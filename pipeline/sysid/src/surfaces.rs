@@ -110,6 +110,7 @@ fn boundary_faces(solid: &QuadraticMesh, wanted: impl Fn(&[u32]) -> bool) -> Vec
         corners
     };
     let skin: BTreeMap<Vec<u32>, Skin> = solid.skin.iter().map(|f| (key(f), f.on)).collect();
+    // Ordered: faces, and with them figures, come in the same order in every run.
     let mut sides: BTreeMap<Vec<u32>, (usize, u16, QuadraticFace)> = BTreeMap::new();
     for (element, region) in (0..solid.elements.len()).zip(&solid.regions) {
         if !wanted(solid.elements.nodes(element)) {

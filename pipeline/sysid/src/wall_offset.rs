@@ -76,6 +76,7 @@ fn corner_edges(solid: &Solid) -> Vec<([usize; 2], f64)> {
         };
         for [a, b] in pairs {
             let length = (point(solid, a) - point(solid, b)).norm();
+            // Springs in series: along a line of edges of unlike lengths the field is linear.
             edges.insert([a.min(b), a.max(b)], 1.0 / length);
         }
     }
@@ -148,6 +149,8 @@ impl<'a> Smoothing<'a> {
             fixed[*node] |= held.is_at_rest() && !only_mirrored;
             for (area, offset) in &held.walls {
                 let normal = area.normalize();
+                // Penalties and not constraints: a node of more than three walls has more conditions than components,
+                // and they may contradict each other.
                 walls[*node] += normal * normal.transpose() * (STIFF * sums[*node]);
                 right[*node] += normal * (STIFF * sums[*node] * offset);
             }
@@ -173,6 +176,7 @@ impl<'a> Smoothing<'a> {
     /// Preconditioned conjugate gradients, with the 3 × 3 block of each node.
     fn solve(&self) -> Vec<Vector3<f64>> {
         let block = |(wall, sum): (&Matrix3<f64>, &f64)| {
+            // Middles have no edges: their block is singular, and any that is finite serves, as they are fixed at zero.
             (wall + Matrix3::identity() * sum.max(f64::MIN_POSITIVE)).try_inverse().unwrap_or_else(Matrix3::identity)
         };
         let blocks: Vec<Matrix3<f64>> = self.walls.iter().zip(&self.sums).map(block).collect();

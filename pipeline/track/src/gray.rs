@@ -246,6 +246,8 @@ impl Depth {
         let mut luma = picture.into_luma16();
         let brightest = luma.iter().copied().max().unwrap_or(0);
         let holds = |bits: &u32| u32::from(brightest) < 1 << bits;
+        // By the first picture and not by each: a dark picture would be spread by more bits, and grey levels would jump
+        // from frame to frame.
         let bits = *self.0.get_or_insert_with(|| DEPTHS.into_iter().find(holds).unwrap_or(16));
         if !holds(&bits) {
             return Err(PictureError::Depth { bits, brightest });

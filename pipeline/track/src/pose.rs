@@ -66,6 +66,8 @@ impl Pose {
         let svd = near.svd(true, true);
         let nearest = match (svd.u, svd.v_t) {
             (Some(U), Some(Vt)) => {
+                // U Vᵀ alone may be a reflection; the nearest rotation then has the direction of the least singular
+                // value reversed.
                 let sign = (U * Vt).determinant().signum();
                 U * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * Vt
             }

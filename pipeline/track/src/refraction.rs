@@ -120,6 +120,7 @@ impl Water {
     fn refract(&self, direction: Point3) -> Point3 {
         let ray = vec3::scale(direction, 1.0 / vec3::norm(direction));
         let (c, n) = (-ray[2], self.index);
+        // The root is real for every ray: into the denser medium there is no total reflection.
         let vertical_part = c / n - (1.0 - (1.0 - c * c) / (n * n)).sqrt();
         [ray[0] / n, ray[1] / n, ray[2] / n + vertical_part]
     }

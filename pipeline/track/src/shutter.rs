@@ -31,6 +31,7 @@ pub fn at_times(wanted: &[Second], read: &[Second], path: &[Point2]) -> Vec<Poin
         return path.to_vec();
     }
     let interpolate = |(frame, t): (usize, &Second)| {
+        // The wanted time lies between the two middle ones of the four, where the error of a cubic is least.
         let points_before = if *t < read[frame] { 2 } else { 1 };
         let first = frame.saturating_sub(points_before).min(path.len() - AROUND);
         let weights = lagrange_weights(&read[first..first + AROUND], *t);

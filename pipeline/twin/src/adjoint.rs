@@ -23,6 +23,8 @@ use crate::water_adjoint::WaterGradient;
 /// seconds of flapping are off by up to 2e-6; with this, by 1e-8, for 3 % more time.
 const REFINED: f64 = 1e-5;
 /// Refinements at most.
+// Twenty products are half of what the exact tangent of a tail of forty coordinates takes, so that giving up later
+// would not pay.
 const MAX_REFINEMENTS: usize = 20;
 
 /// The tangent of one part.
@@ -205,6 +207,8 @@ impl<'a> Pass<'a> {
             let mut change = vec![0.0; right.len()];
             multiply_transposed(&tangent.inverse, &residual, &mut change);
             add(&mut x, 1.0, &change);
+            // The change and not the residual is small at the end: beside a stiff sheet a small residual leaves soft
+            // directions open.
             if dot(&change, &change) <= REFINED * REFINED * dot(&x, &x) {
                 return Some(x);
             }

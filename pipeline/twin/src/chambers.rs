@@ -19,6 +19,8 @@ impl PressureWork {
 
     /// Of these `pressures`, Pa.
     pub(crate) fn set_pressures(&mut self, chambers: &[Chamber], pressures: &[f64]) {
+        // Summed before the iterations: pressures do not change within a step, and a residual costs as much with nine
+        // chambers as with one.
         for part in [&mut self.linear, &mut self.quadratic, &mut self.cubic] {
             part.fill(0.0);
         }

@@ -99,6 +99,8 @@ fn check_mass(mass: &[f64], r: usize) -> Checked {
     let mut factor = mass.to_vec();
     for i in 0..r {
         for j in 0..i {
+            // Relative to the diagonal: an entry that is zero by symmetry holds rounding alone, of which any is large
+            // beside the entry itself.
             let (entry, mirror_entry, scale) =
                 (mass[i * r + j], mass[j * r + i], (mass[i * r + i] * mass[j * r + j]).abs().sqrt());
             if (entry - mirror_entry).abs() > ASYMMETRY * scale {
@@ -120,6 +122,7 @@ fn check_mass(mass: &[f64], r: usize) -> Checked {
 
 fn check_region(name: &str, region: &Region) -> Checked {
     check_positive(&format!("{name}.moduli"), &[region.mu])?;
+    // The bulk modulus and not λ: a solid is stable with a negative λ as long as this is positive.
     let bulk = region.lambda + region.mu * 2.0 / 3.0;
     if bulk.is_nan() || bulk <= 0.0 {
         return Err(format!("`{name}.moduli` give a bulk modulus of {bulk}, and must give one above 0"));

@@ -91,6 +91,8 @@ impl Solid {
             let now = deformed.second_stress(&acting.constants, &deformed.relaxing_stress());
             let held_stress = acting.held.get(block).copied().unwrap_or(NOTHING);
             let former_stress = former_stress.get(block).copied().unwrap_or(now);
+            // The moduli bring the law's geometric part with the stress of the iterate; the difference exchanges that
+            // for the former one.
             let geometric: Symmetric = std::array::from_fn(|k| held_stress[k] + former_stress[k] - now[k]);
             self.single.add_tangent(block, &deformed, (&acting.constants, &geometric), stiffness);
         }

@@ -69,6 +69,8 @@ impl<'a> Equations<'a> {
         self.past.initial_guess(time, &mut self.space.coordinates);
         self.evaluate_residual();
         if !self.is_finite() {
+            // The polynomial's guess may turn a point inside out, where ln J is no number; the last state, which was
+            // found, does not.
             self.space.coordinates.copy_from_slice(&self.past.coordinates[0]);
             self.evaluate_residual();
         }
@@ -121,6 +123,8 @@ impl<'a> Equations<'a> {
     fn take_back(&mut self) {
         let mut part = 1.0;
         self.evaluate_residual();
+        // Such an iterate has no forces. Without a way back a step in which it occurred was lost with all its halves: a
+        // thin-walled tail under the pressures of its hardest recorded flap.
         while part > SHORTEST_PART && !self.is_finite() {
             part *= 0.5;
             add(&mut self.space.coordinates, part, &self.space.change);

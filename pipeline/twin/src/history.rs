@@ -15,6 +15,8 @@ pub struct Factors {
 impl Factors {
     /// Of a branch of this strength and time over `step` seconds.
     pub fn new([strength, time]: [f64; 2], step: f64) -> Self {
+        // By `exp_m1`: 1 − e^(−x) cancels where a step is short beside the branch's time, which is what a controller's
+        // steps are.
         let x = step / time;
         Self { decay: (-x).exp(), gain: strength * -(-x).exp_m1() / x }
     }

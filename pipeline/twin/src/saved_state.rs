@@ -91,6 +91,7 @@ impl<'a> Reader<'a> {
 
     fn count(&mut self) -> Option<usize> {
         let number = self.take(1)?[0];
+        // A count is saved as a double, which holds whole numbers exactly up to 2⁵³.
         (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53)).then_some(number as usize)
     }
 

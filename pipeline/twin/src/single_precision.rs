@@ -61,6 +61,8 @@ fn round_lanes(lanes: Lanes) -> f32x8 {
 /// Σ a b
 #[inline(always)]
 fn dot(a: &Tensor, b: &Tensor) -> f32x8 {
+    // Fused, unlike the products of the residual: they only steer the iteration, and the build asks for FMA, so that
+    // they round alike wherever it runs.
     let sum = |from: usize| a[from + 2].mul_add(b[from + 2], a[from + 1].mul_add(b[from + 1], a[from] * b[from]));
     sum(0) + sum(3) + sum(6)
 }

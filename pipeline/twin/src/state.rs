@@ -123,7 +123,11 @@ impl Past {
     /// Implicit Euler in the first step, then BDF2 [hairer1993], section III.5.
     pub(crate) fn step_stencil(&self, step: f64) -> Stencil {
         match self.times[..self.count].get(1).map(|then| step / (self.times[0] - then)) {
+            // One step of first order leaves an error of second order in the step, so that the motion keeps the order
+            // two.
             None => Stencil { gamma: 1.0 / step, weights: [-1.0 / step, 0.0] },
+            // BDF2 is L-stable: vibrations of the stiff sheet far above the rate of the steps die out. Newmark's
+            // trapezoidal rule would keep them for ever, and Euler's damps the flapping too.
             Some(r) => Stencil {
                 gamma: (1.0 + 2.0 * r) / ((1.0 + r) * step),
                 weights: [-(1.0 + r) / step, r * r / ((1.0 + r) * step)],

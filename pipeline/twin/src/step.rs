@@ -49,6 +49,7 @@ impl Twin {
         error: TwinError,
     ) -> Result<(), TwinError> {
         state.lagged.gamma = f64::NAN;
+        // The copy is made only where the whole step has failed: a step that is found takes no memory.
         let before = state.clone();
         let stepped = self.step_two_halves((state, see), (pressures, duration), (HALVINGS, error));
         if stepped.is_err() {

@@ -161,6 +161,7 @@ impl Twin {
 
 /// Largest absolute entry; not a number where one is not.
 pub(crate) fn largest_entry(x: &[f64]) -> f64 {
+    // `f64::max` drops what is not a number, and a diverged iterate would count as converged.
     if x.iter().any(|entry| entry.is_nan()) {
         return f64::NAN;
     }

@@ -68,10 +68,11 @@ impl SolverState {
         Ok(())
     }
 
-    /// Adds that of the chambers: their forces are quadratic in the places of the nodes, so that a central difference is exact.
+    /// Adds that of the chambers.
     fn add_pressure_derivative(&self, at: &Equilibrium, (velocity, step): (&[f64], f64), derivative: &mut [f64]) {
         let moved =
             |part: f64| -> Vec<f64> { at.displacement.iter().zip(velocity).map(|(u, v)| u + part * v).collect() };
+        // Forces of pressure are quadratic in the places of the nodes: a central difference is exact.
         let (above, below) = (moved(step), moved(-step));
         for (chamber, pressure) in self.data.chambers.iter().zip(&at.pressures).filter(|(_, p)| **p != 0.0) {
             chamber.add_gradient(&above, 0.5 * pressure / step, derivative);

@@ -13,8 +13,8 @@ use crate::statics::equilibrium::Equilibrium;
 use materials::material::Moduli;
 use sparse::{PcgOptions, add, dot};
 
-/// Four digits below what a Taylor test resolves; beyond twelve iterations a factorisation of the exact tangent is
-/// cheaper.
+/// PCG of the adjoint of an equilibrium.
+// Four digits below what a Taylor test resolves; beyond twelve iterations a factorisation of the exact tangent is cheaper.
 const ADJOINT: PcgOptions = PcgOptions { tolerance: 1e-11, max_iterations: 12 };
 
 impl SolverState {

@@ -205,6 +205,8 @@ impl Body<'_> {
                     let now = deformation_gradient(gradients, &displacements);
                     let (mut energy, mut stress) = elastic.material.stress(&now, moduli);
                     if let Some(held) = held {
+                        // The potential of the held stress, whose derivative by F is F H: a line search needs the
+                        // energy, and the tangent stays symmetric.
                         energy += 0.5 * held.component_mul(&(now.tr_mul(&now) - Matrix3::identity())).sum();
                         stress += now * held;
                     }

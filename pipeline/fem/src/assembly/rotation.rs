@@ -24,6 +24,8 @@ impl NodalRotations {
     pub fn between(body: &Body, from: &[f64], to: &[f64]) -> Self {
         let (then, now) = (nodal_gradients(body, from), nodal_gradients(body, to));
         let nodes = then.iter().zip(&now).zip(&body.pattern.dof).map(|((then, now), dof)| {
+            // Where an inverted element leaves no rotation the factor is not turned: it preconditions worse, and the
+            // solution is the same.
             match (polar_rotation(then), polar_rotation(now)) {
                 (Some(then), Some(now)) => admissible_rotation(now * then.transpose(), dof),
                 _ => Matrix3::identity(),

@@ -75,6 +75,8 @@ pub(crate) fn close_pairs(boxes: &[Box3], reach: Metre, half: bool) -> Vec<Close
             if first_box.distance(second_box) < reach {
                 pairs.push(ClosePair { a, b, mirrored: false });
             }
+            // A sum first: boxes that lie above the plane by more than the reach are farther than that from each
+            // other's images.
             if half
                 && first_box.low.z + second_box.low.z < reach
                 && first_box.distance(&second_box.mirror_image()) < reach

@@ -35,6 +35,7 @@ impl FacePair<'_> {
     ) -> ControlFlow<()> {
         let [a, b] = self.samples;
         let extent = b.bounds.high - b.bounds.low;
+        // Along the longest side of the second face the fewest of its samples lie within the range of one.
         let axis = extent.imax();
         let mut candidates: Vec<(usize, Vector3<f64>)> = samples_near(b, a, range).collect();
         // most pairs of faces are near each other by their boxes alone

@@ -37,6 +37,8 @@ pub(crate) fn relative_motion([before, after]: &[[Hull; 2]; 2]) -> Metre {
 fn separating_axes([a, b]: &[Hull; 2]) -> [Vector3<f64>; 5] {
     let normal = |hull: &Hull| (hull[1] - hull[0]).cross(&(hull[2] - hull[0]));
     let middle = |hull: &Hull| hull.iter().sum::<Vector3<f64>>() / hull.len() as f64;
+    // Five axes and not those of all pairs of edges: an axis that is missed costs a look at the samples, and no
+    // contact.
     [middle(b) - middle(a), normal(a), normal(b), -normal(a), -normal(b)]
 }
 

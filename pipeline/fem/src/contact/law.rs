@@ -18,6 +18,8 @@ pub(crate) struct RepulsiveLaw {
 impl RepulsiveLaw {
     /// The law by which two flat walls press on each other with `pressure` (Pa) at half the `range`, where ψ = 1.
     pub(crate) fn new(range: Metre, pressure: Pascal) -> Self {
+        // Between flat walls at the distance d the sum of k ψ over one of them gives the pressure 2π d k ψ(d), and
+        // ψ(c/2) = 1.
         Self { range, stiffness: pressure / (PI * range) }
     }
 
@@ -41,6 +43,7 @@ impl RepulsiveLaw {
     pub(crate) fn hessian(&self, difference: &Vector3<f64>, distance: Metre, convex: bool) -> Matrix3<f64> {
         let normal = difference / distance;
         let normal_part = normal * normal.transpose();
+        // ψ′ is negative: this part makes the tangent indefinite where walls slide along each other.
         let tangential_part = if convex { 0.0 } else { self.slope(distance) / distance };
         normal_part * (self.curvature(distance) - tangential_part) + Matrix3::identity() * tangential_part
     }

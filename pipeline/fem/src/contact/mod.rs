@@ -187,6 +187,8 @@ impl SelfContact {
             }
             let nodes = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
             let is_coupled = nodes[0].iter().all(|a| nodes[1].iter().all(|b| coupled(*a, *b)));
+            // (x − y)² ≤ 2x² + 2y²: twice the own blocks bound what those between would take away, and the direction
+            // stays one of descent.
             let scale = if is_coupled { strength } else { 2.0 * strength } * self.sample_area_product(faces);
             let blocks = Blocks::of_faces(faces, &self.surface, &self.law, (scale, convex || !is_coupled));
             for (side, nodes) in nodes.iter().enumerate() {
@@ -222,6 +224,7 @@ impl SelfContact {
         let mut part: f64 = 1.0;
         let end: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + step).collect();
         let largest = step.iter().fold(0.0, |greatest: f64, entry| greatest.max(entry.abs()));
+        // Two nodes approach each other by at most 2√3 = 3.5 times the largest entry of a step.
         let reach = (4.0 * largest).min(REACH * self.law.range);
         for pair in self.close_face_pairs(&self.surface.boxes(u), reach) {
             let hulls = [u, &end].map(|at| self.face_hulls(&pair, at));

@@ -75,6 +75,8 @@ impl SolverState {
 
 /// Ratio of the next step to this one, from this one's error in tolerances.
 fn step_ratio(scheme: Scheme, error: f64) -> f64 {
+    // The local error is one order above the scheme's: h³ of BDF2, h² of Euler. The floor keeps the root finite at
+    // rest.
     let order = if scheme == Scheme::Bdf2 { 3.0 } else { 2.0 };
     (SAFETY * error.max(1e-12).powf(-1.0 / order)).clamp(MIN_RATIO, MAX_RATIO)
 }

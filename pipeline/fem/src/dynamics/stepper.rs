@@ -189,6 +189,8 @@ impl SolverState {
         pressures: &[Pascal],
     ) -> Result<(State, NewtonCounts), SolveError> {
         let settings = StaticSettings { tolerance: settings.tolerance, ..StaticSettings::default() };
+        // The first step from rest may carry the whole load: without a guess it is applied in steps, with zeros at
+        // once.
         let guess = previous.iter().any(|u| *u != 0.0).then_some(previous);
         let equilibrium = self.equilibrium(pressures, guess, &settings)?;
         let counts = NewtonCounts {

@@ -43,8 +43,10 @@ impl ChamberPressure {
         nodes.sort_unstable();
         nodes.dedup();
         let rest_position = |node: &u32| Vector3::from(mesh.nodes[*node as usize]);
+        // Positions about a point inside: far from the origin x · n of opposite walls would cancel.
         let mut centre = nodes.iter().map(rest_position).sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
         if mesh.symmetry_plane_z {
+            // On the plane of symmetry, so that x · n stays 0 on the missing lid.
             centre.z = 0.0;
         }
         let local = corners.iter().map(|node| nodes.partition_point(|other| other < node) as u32).collect();

@@ -30,6 +30,7 @@ impl Gas<'_> {
         let volume = self.chamber.volume(u);
         let Some(ambient) = self.ambient else { return -self.pressure * volume };
         let rest_volume = self.chamber.at_rest;
+        // Infinite and no error: the line search then shortens the step.
         if volume <= 0.0 {
             return f64::INFINITY;
         }

@@ -148,6 +148,8 @@ impl Newton {
             potential.data.pattern.scatter(&direction.step, 1.0, u);
             return Ok(true);
         }
+        // With this and the watchdog 24 levels of a thin tail to 300 mbar took 23 s; with full steps alone one level
+        // near the buckle took 22 s, and another had no equilibrium.
         let short = size < SHORT * potential.data.size;
         let globalisation = if short { Globalisation::LineSearch } else { state.globalisation };
         let slides = globalisation == Globalisation::LineSearch && state.descends_negative_curvature(size);

@@ -5,6 +5,8 @@ use crate::newton::potential::Energy;
 /// Trials along one direction before it is given up.
 pub(crate) const MAX_TRIALS: usize = 25;
 /// Sufficient decrease: fraction of the linear prediction.
+// An exact Newton step of a quadratic lowers it by half of the linear prediction; the factor must only lie well below
+// that.
 const ARMIJO: f64 = 1e-4;
 /// Energy differences below this fraction of the energy's terms are rounding.
 pub(crate) const ROUNDING: f64 = 1e-13;
@@ -38,6 +40,8 @@ impl LineSearch {
     pub(crate) fn shorten(&self, part: f64, end: Energy) -> f64 {
         let curvature = end.value - self.start.value - part * self.slope;
         if curvature.is_finite() && curvature > 0.0 {
+            // Bounded: an energy that is almost infinite would end the step, and a parabola beyond one half hardly
+            // shorten it.
             (-part * self.slope / (2.0 * curvature)).clamp(0.1, 0.5)
         } else {
             0.5

@@ -184,6 +184,8 @@ impl IterationState {
     /// the next one of `size`, predicts more iterations than a factorisation is worth.
     pub(crate) fn needs_refactorisation(&self, size: Metre) -> bool {
         let ratio = size / self.last_step;
+        // Linear convergence assumed: n more iterations with size · ratioⁿ = tolerance. A ratio above one predicts
+        // nothing but a new factor.
         let predicted = if ratio < 1.0 { (size / self.options.tolerance).ln() / -ratio.ln() } else { f64::INFINITY };
         self.steps >= self.options.min_steps && predicted > self.options.max_predicted
     }

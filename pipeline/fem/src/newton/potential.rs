@@ -104,6 +104,7 @@ impl Potential<'_> {
     /// error of 1e-15 of moduli times volume, however small the strain.
     fn rounding_size(&self) -> f64 {
         let each = self.elastic.iter().zip(&self.data.volumes);
+        // Times the 1e-13 at which the line search takes differences for rounding, this is 1e-15 of moduli and volume.
         1e-2 * each.map(|(is, volume)| volume * (is.moduli.mu + is.moduli.lambda.abs())).sum::<f64>()
     }
 

@@ -30,6 +30,7 @@ impl Newton {
         b: &[f64],
         options: PcgOptions,
     ) -> Option<(Vec<f64>, usize)> {
+        // A relative residual would be 0/0, and the iteration would end in a factorisation for nothing.
         if b.iter().all(|&entry| entry == 0.0) {
             return Some((b.to_vec(), 0));
         }

@@ -31,6 +31,7 @@ impl Projective {
         let options = NewtonOptions {
             tolerance: TOLERANCE * data.size,
             max_iterations: MAX_ITERATIONS,
+            // No lagged factor: numbers of iterations are compared, and each shall be a whole Newton step.
             max_predicted: 0.0,
             min_steps: 1,
             refactorise: true,

@@ -27,6 +27,8 @@ impl CubicVolume {
             chamber.add_gradient(displacement.as_slice(), -1.0, &mut gradient);
             modes.tr_mul(&DVector::from_vec(gradient))
         };
+        // At the size of the snapshots and not at a small step: differences of a quadratic are exact at any, and
+        // rounding is least there.
         let mode_step = |i: usize| modes.column(i) * size;
         let linear = gradient(&DVector::zeros(modes.nrows()));
         let forward: Vec<_> = (0..r).map(|i| gradient(&mode_step(i))).collect();

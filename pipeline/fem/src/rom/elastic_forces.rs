@@ -44,6 +44,7 @@ pub(super) struct Points {
 }
 
 /// Points whose tangents are summed by one matrix product.
+// Sixteen points of forty coordinates are 46 kB, which stay near the processor from their image to their product.
 const BLOCK: usize = 16;
 
 impl Points {

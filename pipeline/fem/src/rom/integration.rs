@@ -195,6 +195,7 @@ impl Past {
         self.coordinates.push_front(q);
         self.velocities.push_front(velocity);
         self.times.push_front(time);
+        // BDF2 needs two; through the third the guess is a parabola, whose error is of the order of the scheme's own.
         [&mut self.coordinates, &mut self.velocities, &mut self.forces].into_iter().for_each(|past| past.truncate(3));
         self.times.truncate(3);
     }

@@ -22,6 +22,8 @@ pub struct ReductionSettings {
 
 impl Default for ReductionSettings {
     fn default() -> Self {
+        // Eigenvalues are squares: modes below 1e-5 of the snapshots' amplitude are left out, long before rounding
+        // (1e-8) fills them.
         Self { coordinates: 30, least_share: 1e-10, tolerance: 1e-3 }
     }
 }
@@ -35,6 +37,7 @@ pub(super) struct Pod {
 /// The modes of `snapshots` (3 entries per node each); none where they span nothing.
 pub(super) fn decompose(system: &SystemData, snapshots: &[&[f64]], settings: &ReductionSettings) -> Option<Pod> {
     let free = gather_columns(system, snapshots);
+    // By the mass and not by nodes alone: a finely meshed part would count more than its volume.
     let image = image_of_columns(&free, |x, y| system.mass.multiply(&system.pattern, x, y));
     let weights = principal_weights(&(free.transpose() * &image), settings)?;
     let (orthogonal, along) = (&free * &weights, image.transpose());

@@ -56,6 +56,7 @@ impl ReducedModel {
     pub(super) fn acting(&self, regions: &[RegionStep], damping: f64, history: &ReducedHistory) -> Vec<ActingRegion> {
         let acting_region = |(region, tensors): (&RegionStep, &Vec<Symmetric>)| {
             let mut moduli = region.moduli.scaled(damping);
+            // Not damped: the branches dissipate by themselves, and stiffness damping belongs to the law's own stress.
             moduli.mu += region.mu * region.gain();
             let held_stress = |tensors: &[Symmetric]| {
                 let mut held_stress = [0.0; 6];

@@ -132,6 +132,7 @@ impl ReducedSolver {
         if let Some(contact) = &self.contact {
             contact.add_hessian(&coordinates, false, &mut tangent);
         }
+        // Its failure shows a saddle, which Newton's method finds as readily as a minimum; LU would factor it.
         let factor = Cholesky::new(tangent).ok_or(SolveError::NotStable)?;
         Ok(ReducedEquilibrium { coordinates, factor })
     }

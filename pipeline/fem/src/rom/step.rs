@@ -42,6 +42,7 @@ const MAX_BISECTIONS: usize = 20;
 /// Largest size of the last step, relative to the snapshots.
 const TOLERANCE: f64 = 1e-8;
 /// Step of the differences by which external forces are linearised, relative to the snapshots.
+// Far above rounding; an error of a millionth is less than what a lagged tangent has.
 const DIFFERENCE: f64 = 1e-6;
 
 /// A trial state of one step.

@@ -66,6 +66,7 @@ impl Solver {
     ) -> Result<Equilibrium, SolveError> {
         let total: Pascal = pressures.iter().sum();
         let load = |_: &mut Self, sum: Pascal| -> Result<Vec<Pascal>, SolveError> {
+            // At the end to the last bit, and without pressures not 0/0.
             Ok(pressures.iter().map(|p| if sum == total { *p } else { sum / total * p }).collect())
         };
         self.follow_path((known, total), 1.0, &load, settings)
@@ -112,6 +113,7 @@ impl Solver {
         let (mut reached, mut step) = (0.0, first);
         let counts_before = self.state.newton.spent;
         loop {
+            // A short rest is taken along: two shapes close to each other would spoil the next extrapolation.
             let part = if reached + step > 1.0 - SHORTEST { 1.0 } else { reached + step };
             let coordinate = if part == 1.0 { end } else { begin + part * (end - begin) };
             let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(BETWEEN) };

@@ -20,6 +20,7 @@ const INTERMEDIATE_TOLERANCE: f64 = 1e-5;
 /// Smallest load step, as a fraction of the load.
 const MIN_STEP: f64 = 1.0 / 256.0;
 /// A load step that full steps do not solve is halved while it is longer than this; then the line search is tried.
+// Three halvings of the usual first step of a third.
 const LINE_SEARCH_BELOW: f64 = 1.0 / 24.0;
 /// A load step with this many factorisations or fewer makes the next one half as long again.
 const EASY: usize = 8;
@@ -137,6 +138,7 @@ impl SolverState {
         let energy = self.inputs.at_rest(&self.data, pressures).energy(shape, &mut unbalanced);
         let steps = Steps { first: FIRST_FADE, shortest: MIN_FADE, halvings: FADE_HALVINGS, descent: false, settings };
         let follow = || self.follow_homotopy(start, &Homotopy::Shape(pressures, unbalanced), &steps).ok();
+        // A guess with an inverted element has no force that could fade.
         energy.value.is_finite().then(follow).flatten().map(|at| self.finished_equilibrium(at, false))
     }
 

@@ -13,8 +13,10 @@ use crate::statics::equilibrium::Equilibrium;
 const RATES: (f64, f64) = (1e3, 1e-2);
 /// Factor of c after a pseudo step, and after a failed one.
 const DECREASE: f64 = 0.25;
+// Two decreases back: one would only repeat, from its own end, the c that last succeeded.
 const INCREASE: f64 = 16.0;
 /// Pseudo steps at most, failed ones included.
+// Nine lead from the first c to the last, and each failure costs three: ten failures at most.
 const MAX_STEPS: usize = 40;
 
 impl SolverState {
@@ -78,6 +80,7 @@ impl SolverState {
     /// E/ρ over the square of the body's size, of the softest region: the square of a characteristic frequency, 1/s².
     fn characteristic_rate(&self) -> f64 {
         let rates = self.inputs.properties.iter().map(|is| is.youngs_modulus / is.density / self.data.size.powi(2));
+        // Of the softest: relative to a stiffer region, the last inertia would still hold the walls that snap.
         rates.fold(f64::INFINITY, f64::min)
     }
 }

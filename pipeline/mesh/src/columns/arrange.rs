@@ -161,6 +161,8 @@ pub(crate) fn segment_crossing([a, b]: [Point2; 2], [c, d]: [Point2; 2]) -> Opti
     use crate::frame::doubled_area;
     let (left, right) = (doubled_area(a, b, c), doubled_area(a, b, d));
     let (up, down) = (doubled_area(c, d, a), doubled_area(c, d, b));
+    // Proper crossings alone: an end that touches the other segment, to rounding, would be cut twice, and is found as a
+    // touch.
     if left * right >= 0.0 || up * down >= 0.0 {
         return None;
     }

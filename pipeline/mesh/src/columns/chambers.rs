@@ -45,6 +45,7 @@ fn centroid_order(a: &Shell, b: &Shell) -> Ordering {
 
 fn holds_spine(cavity: &Shell, spine: &Part) -> bool {
     let size = cavity.volume.abs().cbrt();
+    // To a hundredth: both surfaces are triangulated for themselves, and chords of their round parts differ.
     let same = |s: &Shell| {
         let distance = (0..3).map(|k| (s.centroid[k] - cavity.centroid[k]).abs()).fold(0.0, f64::max);
         (s.volume + cavity.volume).abs() < 0.01 * s.volume.abs() && distance < 0.01 * size

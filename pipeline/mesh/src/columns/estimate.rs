@@ -38,6 +38,8 @@ pub(crate) fn check_size(parts: &[(&'static str, &Surface)], set: &Settings) -> 
 
 /// Estimated elements of a solid: those of its volume, and those under its faces, of which each column has two.
 fn estimated_elements(surface: &Surface, edge: f64) -> f64 {
+    // Within a factor of three of what was meshed on three bodies. Without it, a sphere of 60 m with edges of 5 mm took
+    // 24 GB.
     surface.volume().abs() / (TETRAHEDRON * edge.powi(3)) + THIN * surface.area() / (2.0 * TRIANGLE * edge.powi(2))
 }
 

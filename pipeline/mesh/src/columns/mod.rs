@@ -256,6 +256,8 @@ fn triangulated_plan(
 ) -> Result<Plane, MeshError> {
     let mut crossing_at = [0.0; 2];
     for closer in [1.0, 0.5, 0.25, 0.1, 0.02] {
+        // Twice the tolerance: vertices of either surface are welded within it, so that an outline of both zigzags by
+        // as much.
         let spacing = Spacing { edge: set.edge, chord: 0.03 * closer * set.edge, noise: 2.0 * sampler.tolerance };
         match triangulate_plan(&resample_graph(outlines, &spacing), extra, set.edge) {
             Ok(mut plane) => {

@@ -27,6 +27,8 @@ pub(crate) fn snap_to_outlines(plane: &mut Plane, outlines: &Graph, reach: Metre
             nearest_segment.find([point[0], point[1], 0.0]).filter(|hit| hit.distance > 1e-9 && hit.distance <= reach);
         let Some(hit) = hit else { continue };
         let target = [0, 1].map(|k| (0..3).map(|i| hit.shares[i] * segments[hit.face][i][k]).sum());
+        // A vertex that would flatten a triangle stays on the chord: the volume that it loses there is less harmful
+        // than a sliver.
         if triangles_at[v as usize].iter().all(|&t| keeps_area(plane, t, v, target)) {
             plane.points[v as usize] = target;
         }

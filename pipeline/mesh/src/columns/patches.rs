@@ -149,6 +149,8 @@ pub(crate) fn find_seams(part: &Part, frame: Frame) -> Vec<[Point2; 2]> {
 fn is_creased(surface: &Surface, faces: [u32; 2]) -> bool {
     let [a, b] = faces.map(|f| surface.normal(f as usize));
     let size = norm(a) * norm(b);
+    // Below 30 degrees an edge is one of a tessellated curve with twelve pieces a turn or more, and a line of the plan
+    // along each would cut it to strips.
     size > 0.0 && si::vec3::dot(a, b) < 0.866 * size
 }
 

@@ -47,6 +47,8 @@ pub(crate) fn triangulate_plan(graph: &Graph, extra: &[Point2], edge: Metre) -> 
         RefinementParameters::new()
             .with_angle_limit(AngleLimit::from_deg(ANGLE))
             .with_max_allowed_area(area)
+            // Outlines that meet at an acute angle have no triangulation with the least angle, and the refinement would
+            // go on towards their corner.
             .with_min_required_area(0.01 * area)
             .with_max_additional_vertices(200_000),
     );

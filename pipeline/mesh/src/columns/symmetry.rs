@@ -24,6 +24,7 @@ pub(crate) fn is_symmetric(surface: &Surface, tolerance: Metre) -> bool {
 pub(crate) fn cut_segments(segments: &[[Point2; 2]], axis: usize, tolerance: Metre) -> Vec<[Point2; 2]> {
     let snapped = segments.iter().map(|s| {
         s.map(|mut p| {
+            // To zero exactly: faces on the plane of symmetry are known by z == 0.
             p[axis] = if p[axis].abs() <= tolerance { 0.0 } else { p[axis] };
             p
         })

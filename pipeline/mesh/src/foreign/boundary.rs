@@ -56,6 +56,8 @@ fn free_sides(raw: &RawMesh) -> Result<Vec<Side>, MeshDefect> {
     for group in sides.chunk_by(|a, b| a.0 == b.0) {
         match group {
             [one] => free.push(*one),
+            // Both elements of an inner face see it in opposite senses; in the same sense they lie on one side of it
+            // and overlap.
             [one, other] if is_even(raw, one) != is_even(raw, other) => {}
             _ => return Err(nonmanifold_face(raw, group)),
         }
@@ -127,6 +129,8 @@ fn chamber_shells(raw: &RawMesh, faces: &[Face], shells: &[u32], size: Metre) ->
         *sum = (add(sum.0, moment), sum.1 + volume);
     }
     let rounded_centroid = |(moment, volume): ([f64; 3], f64)| {
+        // Rounded: chambers that mirror each other have one x up to rounding, and their numbers would depend on its
+        // last digits.
         scale(moment, 1.0 / volume).map(|x| (x / (CENTROID_TOLERANCE * size)).round() as i64)
     };
     let mut chambers: Vec<([i64; 3], u32)> = sums

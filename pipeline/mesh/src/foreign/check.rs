@@ -160,6 +160,8 @@ impl RawMesh {
 
     /// No two nodes may lie at the same place.
     pub(super) fn check_coincident_nodes(&self, size: Metre) -> Result<(), MeshDefect> {
+        // Two nodes on either side of a cell's border are missed; the equal numbers that meshers write for unmerged
+        // parts are not.
         let cell = |at: &Point3| at.map(|x| (x / (SAME * size)).round() as i64);
         let mut nodes_by_cell = HashMap::new();
         let pairs: Vec<[usize; 2]> = (0..self.nodes.len())

@@ -40,6 +40,8 @@ fn fill_column(column: &Column, lines: &[Vec<Node>], ranks: &[f64], mut visit: i
     loop {
         let next = |k: usize| line(k).get(positions[k] as usize + 1).map(|n| (n.key, column.corners[k], k));
         let steps = (0..3).filter_map(next).filter(|n| n.0 <= top);
+        // Equal keys go by the vertex: the two columns beside a face must break a tie alike, or their elements do not
+        // match.
         let Some((key, vertex, k)) = steps.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))) else { break };
         let [a, b, c] = [0, 1, 2].map(|i| (column.corners[i], positions[i]));
         let layer = column.sheets.partition_point(|&s| ranks[s as usize] < key) - 1;

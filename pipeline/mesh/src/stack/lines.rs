@@ -27,6 +27,7 @@ struct Level {
 pub(crate) fn stack_lines(stack: &Stack) -> Result<(Vec<Vec<Node>>, Vec<f64>), Cycle> {
     let columns = columns_around(stack);
     let levels: Vec<_> = (0..stack.plan.len()).map(|v| vertex_levels(stack, v as u32, &columns[v])).collect();
+    // At least a micrometre apart: sheets that meet everywhere would have one rank, and keys on their lines no order.
     let ranks = sheet_order(stack, &levels).sheet_ranks(stack.sheets, stack.merge.max(1e-6))?;
     let lines = levels.iter().zip(&columns).map(|(levels, columns)| {
         let knots: Vec<_> = levels.iter().map(|level| level_knot(level, &ranks)).collect();

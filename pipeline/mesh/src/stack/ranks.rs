@@ -52,6 +52,7 @@ impl Order {
             done += 1;
             for &(_, upper) in self.below.range((lower, 0)..=(lower, u32::MAX)) {
                 let upper_index = upper as usize;
+                // The greatest of all below: which sheet becomes ready first makes no difference.
                 ranks[upper_index] = ranks[upper_index].max(ranks[lower as usize] + gap);
                 waiting[upper_index] -= 1;
                 if waiting[upper_index] == 0 {

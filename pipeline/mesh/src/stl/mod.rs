@@ -103,6 +103,7 @@ fn weld_points(raw: &Surface) -> Surface {
     let faces = raw.faces.iter().map(|f| f.map(|p| merged[p as usize]));
     let mut present = HashSet::new();
     let is_new = |face: &[u32; 3]| present.insert(from_lowest(*face));
+    // The sense is part of the key: a face that lies twice in opposite senses bounds two parts and stays.
     Surface { points, faces: faces.filter(|[a, b, c]| a != b && b != c && c != a).filter(is_new).collect() }
 }
 
@@ -122,6 +123,7 @@ pub fn write(surface: &Surface, unit: Metre, title: &str) -> Vec<u8> {
         let n = surface.normal(face);
         let length = si::vec3::norm(n).max(f64::MIN_POSITIVE);
         let rows = [n.map(|c| c / length)].into_iter().chain(surface.corners(face).map(|p| p.map(|c| c / unit)));
+        // Adding zero makes 0 of −0, so that one surface has one file whichever way its zeros were computed.
         rows.flatten().for_each(|c| bytes.extend((c as f32 + 0.0).to_le_bytes()));
         bytes.extend([0, 0]);
     }

@@ -149,6 +149,7 @@ pub(super) fn index_places(triangles: &[Triangle]) -> (Vec<[f32; 3]>, Vec<[u32; 
     let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
     let mut places = Vec::new();
     let mut number = |place: [f32; 3]| {
+        // By bits, which a hash can have: 0 and −0 become two places, and welding joins them.
         *numbers.entry(place.map(f32::to_bits)).or_insert_with(|| {
             places.push(place);
             places.len() as u32 - 1

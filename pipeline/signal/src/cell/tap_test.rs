@@ -92,6 +92,7 @@ pub fn identify_from_taps(
     let in_frequency = fit_in_frequency(&frequencies, &pairs, &start).ok_or_else(|| convergence_error("frequency"))?;
     let start = [in_frequency.cell.natural_frequency, in_frequency.cell.damping_ratio, 1.0];
     let (in_time, noise) = fit_in_time(hammer, measured, &start).ok_or_else(|| convergence_error("time"))?;
+    // Nothing rings before the first tap; the residuals of the fit hold what the model leaves of the ringing as well.
     let noise = noise_before(measured, starts[0]).unwrap_or(noise);
     Ok(TapTest { in_time, in_frequency, response, taps: starts.len(), noise })
 }
@@ -184,12 +185,16 @@ fn tap_window(series: &Series, start: Second, length: Second) -> Series {
     let values = &series.values()[first..=last];
     let tail = &values[values.len() - values.len().div_ceil(5)..];
     let rest_value = tail.iter().sum::<f64>() / tail.len() as f64;
+    // The amplifier's zero must go: a constant cut to the window leaks into every frequency. The mean over the whole
+    // window would hold a part of the tap.
     let values = values.iter().map(|v| v - rest_value).collect();
     Series::new(series.time(first), series.rate(), values).expect("finite values less a finite mean")
 }
 
 fn frequency_responses(frequencies: &[Hertz], pairs: &[Vec<[Phasor; 2]>]) -> Vec<FrequencyResponse> {
     let response_at = |(k, &frequency): (usize, &Hertz)| {
+        // The estimator H₁: the noise is in Y. The alternative Σ |Y|²/Σ X Y* would count its power into the response,
+        // the more so away from the peak.
         let cross: Phasor = pairs.iter().map(|tap| tap[k][1] * tap[k][0].conj()).sum();
         let [xx, yy] = [0, 1].map(|channel| pairs.iter().map(|tap| tap[k][channel].norm_sqr()).sum::<f64>());
         FrequencyResponse { frequency, transfer: cross / xx, coherence: cross.norm_sqr() / (xx * yy) }

@@ -39,12 +39,15 @@ impl Evidence {
 }
 
 /// Padding of the spectrum in which peaks are searched for.
+// A line half way between two bins loses 28 % of its power under Hann's window; with padding by eight it lies within
+// 1/16 of a bin and loses 0.5 %.
 const PADDING: usize = 8;
 /// Bins from 0 that the removal of the drift empties.
 const EMPTIED: usize = DRIFT + 1;
 /// The noise is fitted up to this multiple of the highest searched frequency: beyond it the fixture rings.
 const BEYOND: f64 = 4.0;
 /// Neighbouring bins of a Hann taper that count as one independent value.
+// The equivalent noise bandwidth of Hann's window is 1.5 bins.
 const CORRELATED: f64 = 1.5;
 /// A shape that contributes less than this share to the noise at a frequency is not counted among its parameters there.
 const CONTRIBUTES: f64 = 0.02;
@@ -129,6 +132,8 @@ impl Tapered {
             frequency: frequency_of(k),
             amplitude: 2.0 * (power[k] * self.sums[1]).sqrt() / self.sums[0],
             ratio: ratio(k),
+            // By `ln_1p` and `exp_m1`: 1 − (1 − p)^M written out is zero for every p below 1e-16, and strong lines
+            // could not be told apart.
             p_value: -(independent_values * (-tail_probability.min(1.0 - 1e-16)).ln_1p()).exp_m1(),
             quantisation,
         }

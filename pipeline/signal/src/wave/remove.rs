@@ -113,6 +113,8 @@ fn harmonic_columns_of(signal: &Series, beat: &Beat) -> Vec<Vec<f64>> {
         let omega = TAU * beat.frequency * n as f64;
         [windowed_column(&|t| (omega * t).cos()), windowed_column(&|t| (omega * t).sin())]
     };
+    // The beat's mean has a column of its own: the step of mean thrust at the begin and end of a run would otherwise go
+    // into drift and waves.
     std::iter::once(windowed_column(&|_| 1.0)).chain((1..=beat.harmonics).flat_map(harmonic_pair)).collect()
 }
 

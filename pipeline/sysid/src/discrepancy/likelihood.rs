@@ -79,6 +79,7 @@ fn negative_log_likelihood(
 ) -> Option<f64> {
     let whitening = noise.whitening(misfit).ok()?;
     let mut white = whitening.apply(raw, parameters).ok()?;
+    // With the prior's rows the information stays regular along a parameter that the films do not determine.
     white.values.extend(&of_prior.values);
     white.jacobian.extend(&of_prior.jacobian);
     let jacobian = DMatrix::from_row_slice(white.values.len(), parameters, &white.jacobian);

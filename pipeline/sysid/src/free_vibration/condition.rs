@@ -18,6 +18,7 @@ use simulate::case::{Case, read};
 use simulate::{Body, load};
 
 /// Fractions of the dead loads at which static shapes are taken.
+// Released from 0, a linear body swings up to twice its static deflection and back: those, with a margin below 0.
 const FRACTIONS: [f64; 6] = [-0.3, 0.3, 0.7, 1.0, 1.5, 2.0];
 /// Steps of the motion of the whole body from which shapes are taken, their length relative to the simulated step, and which are taken.
 const WHOLE_STEPS: usize = 60;
@@ -150,6 +151,7 @@ pub(crate) fn times(page: &Page, end: Second) -> Vec<Second> {
 /// Smooth rise from 0 to 1 over a relative time of 0 to 1.
 fn smooth_rise(part: f64) -> f64 {
     let part = part.clamp(0.0, 1.0);
+    // A linear rise would jump in its rate at both ends, and excite the higher modes.
     part * part * (3.0 - 2.0 * part)
 }
 

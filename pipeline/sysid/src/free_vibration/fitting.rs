@@ -24,6 +24,7 @@ const SHIFT: [Second; 2] = [-0.08, 0.08];
 const RAMP_START: Second = 0.04;
 const SHIFT_START: Second = -0.01;
 /// Forward differences, in units of the search.
+// About the root of the 1e-8 to which motions are solved, where truncation and noise of a slope balance.
 const DIFFERENCE: f64 = 3e-4;
 
 /// A recording with the condition under which it was made.
@@ -120,6 +121,7 @@ impl Fit<'_> {
         let [ramp, shift] = self.ramp_and_shift(point, k);
         let properties = self.law.properties(&self.values(point), self.page.modulus_time)?;
         let Trial { recorded, condition } = self.trials[k];
+        // A release before the page's time is simulated for longer than it was recorded.
         let times = times(self.page, recorded.fall.end() - shift.min(0.0) + self.page.step);
         let fall = condition.fall(&properties, ramp, &times)?;
         Ok((0..recorded.fall.values().len())
@@ -184,6 +186,8 @@ impl Fit<'_> {
         let (count, parameters) = (residuals.values.len(), point.len());
         let jacobian = DMatrix::from_row_slice(count, parameters, &residuals.jacobian);
         let (correlation, rate) = (correlation_frames(self, &residuals.values), self.trials[0].recorded.fall.rate());
+        // At least one degree of freedom: strongly correlated residuals would otherwise give a variance without bound,
+        // or below zero.
         let independent = (count as f64 / correlation).max(parameters as f64 + 1.0);
         let variance = 2.0 * residuals.half_sum_of_squares() / count as f64 * independent
             / (independent - parameters as f64).max(1.0);

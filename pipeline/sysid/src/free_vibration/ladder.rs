@@ -124,6 +124,8 @@ impl Bench<'_> {
         let nominal = prediction.to_array();
         let mut slopes = Vec::new();
         for p in 0..law {
+            // A part of the deviation, so that the slope is that over the interval; bounded where a parameter is known
+            // exactly, or not at all.
             let step = (0.3 * fitted.covariance[(p, p)].sqrt()).clamp(1e-4, 0.05);
             let mut perturbed = fitted.at.clone();
             perturbed[p] += step;

@@ -51,6 +51,7 @@ impl Quantity {
             Self::SpringpotExponent => {
                 Scale { logarithmic: false, ..positive("springpot_exponent", "", 0.25, [0.01, 0.9]) }
             }
+            // Not by its logarithm: C₂₀ may be negative.
             Self::Softening => Scale { logarithmic: false, ..positive("c20_over_c10", "", 0.0, [-6.0, 6.0]) },
         }
     }

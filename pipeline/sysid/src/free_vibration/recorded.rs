@@ -183,6 +183,8 @@ pub fn vibration(page: &Page, fall: &Series) -> Result<FreeVibration> {
 fn second_turn(fall: &Series, first: Second) -> Second {
     let values = fall.values();
     let extremum = ((first * fall.rate()).round() as usize).min(values.len() - 1);
+    // To 2.6 times the first extremum's time: after a sudden release the second follows at twice, the third at three
+    // times.
     let end = (extremum + 8 * extremum / 5).min(values.len() - 1);
     let distance = |i: &usize| (values[*i] - values[extremum]).abs();
     let farthest = (extremum + 1..=end).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(end);
@@ -195,6 +197,7 @@ fn first_turn(fall: &Series) -> (Second, Metre) {
     let largest = values.iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
     let turns = |i: &usize| {
         let [a, b, c] = [values[i - 1], values[*i], values[i + 1]];
+        // Noise turns as well while the body is still close to its straight shape.
         b.abs() > 0.5 * largest && (b - a) * (c - b) <= 0.0
     };
     let extremum = (1..values.len() - 1).find(turns).unwrap_or(1);

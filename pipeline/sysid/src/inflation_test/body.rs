@@ -90,6 +90,7 @@ impl Meshed {
         let ambient = body.pressures(&case, |_| 0.0);
         let mut start = solver.equilibrium(&ambient, None, &StaticSettings::default())?.displacement;
         let ambient_tip = self.tip_displacement(&start);
+        // A history may begin inflated: the motion then starts from rest under its first pressure.
         if pressures(0.0) != ambient {
             start = solver.equilibrium(&pressures(0.0), Some(&start), &StaticSettings::default())?.displacement;
         }
@@ -99,6 +100,8 @@ impl Meshed {
         let mut tip = vec![(0.0, self.tip_displacement(&initial.displacement) - ambient_tip)];
         let mut observe =
             |time: Second, state: &State| tip.push((time, self.tip_displacement(&state.displacement) - ambient_tip));
+        // A motion and no static path: the wall has a limit point, and load stepping found no equilibrium of the arm
+        // above 140 mbar within minutes.
         let burst =
             solver.integrate_adaptive(&problem, &control, end, &mut observe).err().map(|error| error.to_string());
         Ok(Course { tip, burst })
@@ -143,6 +146,7 @@ fn node_position(nodes: &[Point3], (node, side): (usize, f64)) -> Vector3<f64> {
 
 pub(crate) fn carried_markers(page: &Page, loaded: &Loaded) -> Result<Vec<Carried>> {
     let nodes = loaded.solid.nodes();
+    // The mirror image as well: the nodes of one half turn out of the plane of symmetry, those of both do not.
     let sides: &[f64] = if loaded.solid.half() { &[1.0, -1.0] } else { &[1.0] };
     let mut markers = Vec::new();
     for marker in page.marker.iter().filter(|marker| marker.compared) {

@@ -26,6 +26,8 @@ const RANGES: [[f64; 2]; 3] = [[f64::NEG_INFINITY, f64::INFINITY], [-0.2, 4.0], 
 const MAX_STEPS: usize = 4;
 const ENOUGH: f64 = 3e-3;
 /// Logarithm of the displacement ratio of a wall that balloons without bound.
+// Finite, since an infinite residual would spoil the step of all recordings; larger than any other, so that they stay
+// continuous where a wall begins to balloon.
 const BURST: f64 = 1.5;
 
 /// A material with what it makes of every recording.
@@ -236,6 +238,7 @@ impl Linearised {
 /// The step of least squares, within [`LONGEST`] and [`RANGES`].
 fn gauss_newton_step(iterate: &Linearised) -> DVector<f64> {
     let svd = iterate.jacobian.clone().svd(true, true);
+    // A direction that the recordings do not show stays where it is, instead of running to the end of its range.
     let mut step = svd.solve(&-&iterate.residuals, 1e-6).unwrap_or_else(|_| DVector::zeros(iterate.jacobian.ncols()));
     let excess = (0..step.len()).map(|p| step[p].abs() / LONGEST[p]).fold(1.0, f64::max);
     step /= excess;

@@ -128,6 +128,8 @@ fn cross_validated(
     rows.push(bench.fitted(name, (material, &joint), &every)?);
     for k in every.iter().copied().filter(|k| !bench.page.recording[*k].fitted) {
         let remaining: Vec<usize> = every.iter().copied().filter(|recording| *recording != k).collect();
+        // From the end of the joint fit with its Jacobian: differences anew would cost a simulation of ten seconds for
+        // each parameter and recording.
         let end = bench.fit(material, &remaining, joint.only(&remaining))?;
         left_out[k].push(rows.len());
         rows.push(bench.fitted(name, (material, &end), &remaining)?);

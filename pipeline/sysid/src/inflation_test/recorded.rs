@@ -37,6 +37,8 @@ impl Features {
 fn mean_displacement(course: &[(Second, Metre)], [begin, end]: [Second; 2]) -> Metre {
     const SAMPLES: usize = 20;
     let (times, values): (Vec<f64>, Vec<f64>) = course.iter().copied().unzip();
+    // At even times: samples of a simulated course are densest where its adaptive steps are short, and would count
+    // there most.
     let time = |k: usize| begin + (k as f64 + 0.5) / SAMPLES as f64 * (end - begin);
     let value = |k: usize| crate::free_vibration::fitting::interpolated(&times, &values, time(k));
     (0..SAMPLES).map(value).sum::<f64>() / SAMPLES as f64

@@ -21,6 +21,7 @@ const WALLS: [f64; 2] = [-5e-4, 9e-4];
 /// What is missing of the pressure of a step at first, kPa.
 const MISSING: f64 = 1.0;
 const MISSINGS: [f64; 2] = [0.0, 6.0];
+// Of formulae alone, about one equilibrium and its slopes: no solver's tolerance enters.
 const STEP: f64 = 1e-6;
 
 /// The recordings of a page, with the body of each law.
@@ -125,6 +126,7 @@ impl Test for Arms {
         let wall = Parameter::linear("wall offset", "mm", 0.0, WALLS.map(|wall| 1e3 * wall));
         vec![
             Parameter::logarithmic("batch", "", 1.0, BATCH).known_to(BATCH_SIGMA),
+            // Held to a micrometre and not left out: every page has the same parameters.
             wall.known_to(1e3 * self.page.wall_sigma.unwrap_or(1e-6)),
             Parameter::linear("missing pressure", "kPa", MISSING, MISSINGS).known_to(MISSING),
         ]
@@ -144,6 +146,8 @@ impl Test for Arms {
         ambient[PRESSURE] = 0.0;
         let rest = remembered(body, &ambient, memory)?;
         let shape = remembered(body, &points[0], memory)?;
+        // Displacements count from the place at ambient pressure, which moves with the constants, and not with the
+        // pressure.
         let slopes: Point =
             std::array::from_fn(|k| if k == PRESSURE { shape.slopes[k] } else { shape.slopes[k] - rest.slopes[k] });
         let tip = |points: [Point; 2]| {

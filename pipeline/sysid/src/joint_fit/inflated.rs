@@ -152,6 +152,8 @@ impl Inflated {
         let mut slopes = [0.0; 5];
         for (k, (slope, change)) in slopes.iter_mut().zip(&changes).enumerate() {
             let largest = change.iter().fold(1e-30, |most: f64, u| most.max(u.abs()));
+            // By differences, as markers turn with the nodes around them: to both sides, the farthest node by a
+            // micrometre.
             let step = 1e-6 / largest;
             let side = |step: f64| {
                 let moved: Vec<f64> = found.displacement.iter().zip(change).map(|(u, d)| u + step * d).collect();

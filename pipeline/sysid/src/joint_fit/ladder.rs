@@ -137,6 +137,8 @@ impl LawResult {
 /// of the mean square error, paired by condition with the best law's, so that one bad condition does not decide.
 pub(super) fn supported(results: &[LawResult], tests: &[Box<dyn Test>]) -> Option<usize> {
     let scores: Vec<Option<Vec<f64>>> = results.iter().map(|result| result.scores(tests)).collect();
+    // One is added, which a good model misses by: without it a condition that is met by chance would decide by the
+    // logarithm of almost nothing.
     let logarithms = |scores: &Vec<f64>| -> Vec<f64> { scores.iter().map(|score| (1.0 + score).ln()).collect() };
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let known: Vec<(usize, Vec<f64>)> =

@@ -53,7 +53,9 @@ impl Strip {
 
     fn stress(&self, at: &Place, [strain, time, recorded]: [f64; 3]) -> Result<f64> {
         let constants = at.law.constants(at.shared)?;
+        // By the recorded stress: with the predicted one the stretch would stand on both sides of its equation.
         let yielded = if self.page.measured_by == Strain::Crosshead { 1e-6 * at.own[1] * recorded } else { 0.0 };
+        // A compliance on the way of a search may take more than the whole strain, and λ^−½ needs a positive stretch.
         let stretch = (1.0 + strain - yielded).max(0.05);
         Ok(at.own[0].exp() * strip_stress(material(at.law.material)?, &constants, (stretch, time)))
     }

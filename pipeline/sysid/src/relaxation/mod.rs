@@ -113,6 +113,7 @@ impl SpectrumProblem<'_> {
         let (knots, start) = knots.freed(&first.at);
         let values = self.film_residuals(maxwell_relaxation(&knots, &start)?)?;
         let correlation = self.correlation_frames(&values);
+        // Frames err alike over their correlation: with this deviation so many of them weigh as one.
         let sigma = rms_distance(&values) * correlation.sqrt();
         let best = self.minimise_misfit(Search { knots: &knots, start, sigma, iterations: REWEIGHTED }, progress)?;
         self.assemble_result((&knots, sigma), &best, correlation)
@@ -262,6 +263,8 @@ fn fisher_information(jacobian: &DMatrix<f64>, first: usize, rows: usize) -> DMa
 /// the scatter S of the windows' gradients, but in no direction more than J [liang1986].
 fn godambe_information(best: &Residuals, windows: &[usize], expected: DMatrix<f64>) -> DMatrix<f64> {
     let (count, parameters) = (windows.len(), expected.nrows());
+    // At the best point the gradients of all windows nearly add up to zero: the scatter of no more windows than
+    // parameters is singular.
     let Some(factor) = expected.clone().cholesky().filter(|_| count > parameters) else { return expected };
     let (mut scatter, mut first) = (DMatrix::zeros(parameters, parameters), 0);
     for rows in windows {
@@ -279,6 +282,7 @@ fn godambe_information(best: &Residuals, windows: &[usize], expected: DMatrix<f6
     let Some(split) = whitened.map(|both| SymmetricEigen::new(0.5 * (&both + both.transpose()))) else {
         return expected;
     };
+    // Few windows may scatter less, by chance, than their own residuals allow.
     let inverse_eigenvalues = DMatrix::from_diagonal(&split.eigenvalues.map(|value| 1.0 / value.max(1.0)));
     let turned = lower * split.eigenvectors;
     &turned * inverse_eigenvalues * turned.transpose()

@@ -19,6 +19,8 @@ pub(super) fn weights(places: &[Load], load: &Load) -> Option<DVector<f64>> {
     let factor = among.cholesky()?;
     let (towards, level) =
         (factor.solve(&DVector::from_fn(n, |i, _| alike(&places[i], load))), factor.solve(&DVector::repeat(n, 1.0)));
+    // With a sum of one, and not simple kriging: between distant shapes its weights fade, and the prediction would fall
+    // back to rest.
     let weights = &towards + &level * ((1.0 - towards.sum()) / level.sum());
     (weights.iter().map(|w| w.abs()).sum::<f64>() < STRETCHED).then_some(weights)
 }

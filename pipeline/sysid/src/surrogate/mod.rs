@@ -125,6 +125,7 @@ impl Surrogate {
 /// The mean of the first-order expansions about shapes with derivatives, by the inverse fourth power of their distance: Shepard's method with
 /// gradients [shepard1968].
 fn mean_expansion(about: &[(f64, &KnownShape)], load: &Load) -> Vec<f64> {
+    // An expansion of first order errs by the square of the distance: inverse variances.
     let weight = |distance: f64| distance.max(TINY).powi(-4);
     let total_weight: f64 = about.iter().map(|(distance, _)| weight(*distance)).sum();
     let mut sum = vec![0.0; about[0].1.shape.len()];
@@ -141,6 +142,8 @@ fn mean_expansion(about: &[(f64, &KnownShape)], load: &Load) -> Vec<f64> {
 fn kriged_shape(neighbours: &[(f64, &KnownShape)], load: &Load) -> Option<Vec<f64>> {
     let neighbours = &neighbours[..neighbours.len().min(NEAREST)];
     let places: Vec<Load> =
+        // Every body is known at rest, where its displacement is zero: the shape adds nothing, but takes its weight
+        // from the others.
         neighbours.iter().map(|(_, known)| known.load.clone()).chain([load.clone().without()]).collect();
     let weights = weights(&places, load)?;
     let mut predicted = vec![0.0; neighbours[0].1.shape.len()];

@@ -31,6 +31,8 @@ fn dark_pixels(picture: &Gray, half: usize) -> Vec<bool> {
         let ((left, right), (top, bottom)) = (window(i % width, width), window(i / width, height));
         let sum_to = |x: usize, y: usize| sums[y * (width + 1) + x];
         let sum = sum_to(right, bottom) + sum_to(left, top) - sum_to(left, bottom) - sum_to(right, top);
+        // The mean around the pixel and not one level for the picture, under which the board's corner in the shade
+        // would be dark as a whole.
         f64::from(picture.pixels[i]) < sum as f64 / ((right - left) * (bottom - top)) as f64 - DARKER
     };
     (0..width * height).map(is_darker).collect()
@@ -38,6 +40,7 @@ fn dark_pixels(picture: &Gray, half: usize) -> Vec<bool> {
 
 /// The dark pixels connected to `start` by their sides, removed from `dark`.
 fn take_patch(dark: &mut [bool], width: usize, start: usize) -> Patch {
+    // A stack of its own: recursion over a dark background of millions of pixels would exceed the thread's.
     let (mut pixels, mut open) = (Vec::new(), vec![start]);
     while let Some(i) = open.pop() {
         if !std::mem::take(&mut dark[i]) {

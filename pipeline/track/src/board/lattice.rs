@@ -4,6 +4,8 @@ use si::Point2;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Places of a grid by their column and row, both from any number.
+// Ordered by place, so that lines are trimmed and shifts are tried in the same order in every run; a hash map would
+// choose another among equals.
 type Grid = BTreeMap<(i32, i32), Point2>;
 
 /// A neighbour may lie this share of the step away from where it is expected: tilt and distortion change a step by less.

@@ -16,6 +16,7 @@ pub(super) struct Saddle {
 pub(super) struct Blurred {
     width: usize,
     height: usize,
+    // Single precision: only rough places come from here, and the refinement reads the picture itself.
     levels: Vec<f32>,
 }
 
@@ -78,6 +79,8 @@ fn flat_point(picture: &Gray, at: Point2, radius: f64) -> Option<Point2> {
     for row in middle[1] - reach..=middle[1] + reach {
         for column in middle[0] - reach..=middle[0] + reach {
             let (x, y) = (column as f64 - at[0], row as f64 - at[1]);
+            // A cone and no step at the edge: pixels that enter and leave as the centre moves would shift the fit by
+            // jumps, and the iteration could alternate.
             let weight = 1.0 - x.hypot(y) / (radius + 0.5);
             if weight > 0.0 {
                 let basis = nalgebra::SVector::<f64, 6>::from([x * x, x * y, y * y, x, y, 1.0]);
@@ -187,6 +190,8 @@ fn alternates_on_ring(blurred: &Blurred, centre: Point2, radius: f64) -> bool {
     let light = ring.map(|v| v > 0.5 * (low + high));
     let changes = (0..RING).filter(|&k| light[k] != light[(k + 1) % RING]).count();
     let opposite = (0..RING / 2).filter(|&k| light[k] == light[k + RING / 2]).count();
+    // Of twelve opposite pairs four may differ: the ring's centre is a whole pixel, so that an edge may pass between
+    // two of its points on one side and not on the other.
     changes == 4 && opposite >= RING / 3
 }
 

@@ -14,6 +14,8 @@ pub(crate) fn homography(from: &[Point2], onto: &[Point2]) -> Option<Matrix3<f64
     if from.len() < 4 || from.len() != onto.len() {
         return None;
     }
+    // In pixels the entries of AᵀA would span some twelve decades, products of four coordinates of a thousand beside
+    // ones, and the least eigenvector would drown.
     let (S, T) = (normalising_map(from)?, normalising_map(onto)?);
     let mut AtA = SMatrix::<f64, 9, 9>::zeros();
     for (a, b) in from.iter().zip(onto) {

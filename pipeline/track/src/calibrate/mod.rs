@@ -222,6 +222,7 @@ fn focal_lengths(maps: &[Matrix3<f64>], middle: Point2) -> Option<Lens> {
     let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
     for map in maps {
         let map = centre * map;
+        // A homography has no scale: undivided, a view would count by the size of its numbers.
         let size = 0.5 * (map.column(0).norm() + map.column(1).norm());
         let (a, b): (Vector3<f64>, Vector3<f64>) = (map.column(0) / size, map.column(1) / size);
         let (sum, difference) = (a + b, a - b);
@@ -254,6 +255,8 @@ pub fn pose_from_plane(lens: &Lens, points: &[Point3], pixels: &[Point2]) -> Res
     let middle = plane.iter().fold([0.0; 3], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n, 0.0]);
 
     let correspondences = [Seen { points: &points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>(), pixels }];
+    // Both tilts are local minima of the reprojection error of a plane far away, and noise decides which one the
+    // homography gives.
     let starts = [flat, mirrored_pose(&flat, middle)];
     let refined = starts.map(|start| {
         let mut guess = Guess { lens: *lens, poses: vec![start] };

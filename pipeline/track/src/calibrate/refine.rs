@@ -58,16 +58,17 @@ impl LeastSquaresProblem for Reprojection<'_> {
 /// Views up to which the whole matrix is factored: it is as fast there, and the last digits of a study's lens stay what they are.
 const ELIMINATED_FROM: usize = 60;
 
-/// The normal equations are accumulated point by point: with 15 views the Jacobian would have thousands of rows that are mostly zero.
-/// The floor fixes a coefficient on which no point depends. 200 trials are more than any reasonable start needs.
+/// Of the bundle adjustment.
 const OPTIONS: Options = Options {
     damping: 1e-3,
     min_damping: 1e-15,
     max_damping: 1e13,
+    // The floor fixes a coefficient on which no point depends.
     scaling: Scaling::Floored(1e-12),
     accept_equal: false,
     gain_tolerance: 1e-14,
     max_steps: usize::MAX,
+    // More than any reasonable start needs: each changes the damping, and 28 decades lie between its bounds.
     max_trials: 200,
 };
 
@@ -166,6 +167,7 @@ fn normal_equations(guess: &Guess, seen: &[Seen], with_lens: bool) -> NormalEqua
             let miss = reprojection_miss(&guess.lens, pose, point, pixel);
             let rows = pixel_derivatives(&guess.lens, pose, point);
             for (row, miss) in rows.iter().zip(miss) {
+                // Accumulated point by point: with 15 views the Jacobian would have thousands of rows that are mostly zero.
                 let row = || row[..lead].iter().chain(&row[OF_LENS..]).zip(&columns);
                 normal.squares += miss * miss;
                 for (a, &i) in row() {

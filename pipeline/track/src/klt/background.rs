@@ -41,6 +41,8 @@ impl Background {
             }
         });
         let mut levels: Vec<f64> = ring.iter().map(|p| p.2).collect();
+        // Median and median deviation: the ring may cross a line of the grid or the tail's edge, which a mean and its
+        // standard deviation would take in.
         let centre = median(&mut levels);
         let mut deviations: Vec<f64> = ring.iter().map(|p| (p.2 - centre).abs()).collect();
         let tolerance = 3.0 * 1.4826 * median(&mut deviations) + TOLERANCE;

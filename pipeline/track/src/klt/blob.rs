@@ -164,6 +164,7 @@ impl Window {
             let [column, row] = [middle[0] + x - first[0], middle[1] + y - first[1]].map(|v| v.round() as usize);
             cells[row * side + column] = Cell { x, y, r2, darkness, weight: 0.0 };
         });
+        // A quantile: the darkest pixel alone is set by noise, and the more so the larger the window.
         let rank = core.len() - 1 - (CORE * core.len() as f64) as usize;
         let full = *core.select_nth_unstable_by(rank, f64::total_cmp).1;
         let contrast = full * background.level_at(0.0, 0.0);

@@ -11,9 +11,10 @@ const CORE: f64 = 0.45;
 const STRIDE: f64 = 0.35;
 /// A spot that is found from two places is one when they agree to this, px.
 const SAME: f64 = 2.0;
-/// Share of the least contrast that the first look at a place must show. Some place holds the whole of a spot at first sight; where a
-/// window would have to be moved before it sees one, it is not moved. On a patterned ground that takes most windows twelve looks, and
-/// took two seconds for a picture of 1280 × 720 px.
+/// Share of the least contrast that the first look at a place must show.
+// Some place holds the whole of a spot at first sight; where a window would have to be moved before it sees one, it is
+// not moved. On a patterned ground that takes most windows twelve looks, and took two seconds for a picture of
+// 1280 × 720 px.
 const FIRST_LOOK: f64 = 0.5;
 /// Share of the window's rim that may be dark.
 const RIM: f64 = 0.02;

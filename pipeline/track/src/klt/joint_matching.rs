@@ -44,6 +44,8 @@ impl Tracker {
         if markers.len() < 2 || !self.is_doubtful(&markers, &tree, found) {
             return;
         }
+        // Without it the mark at the end of a tail that was released from 250 mbar was 2.97 px off (root mean square
+        // over the film): 65 px a frame exceed its largest step, and it counted as hidden. With it: 0.03 px.
         let matching = Matching::of_markers(self, picture, markers, found);
         let chosen = tree.cheapest_assignment(&matching);
         for (k, &marker) in matching.markers.iter().enumerate() {

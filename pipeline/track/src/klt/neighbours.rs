@@ -34,6 +34,8 @@ impl Tracker {
 
     /// Neighbour-distance gate: of two neighbours whose distance changes too much, the one farther from its prediction is rejected.
     pub(super) fn check_neighbours(&self, picture: &Gray, frame: usize, found: &mut [Result<Accepted, TrackingError>]) {
+        // The largest change first: one stray marker changes the distances from all its neighbours, and without it they
+        // agree again.
         while let Some((one, other, measured)) = self.largest_change(found) {
             let prediction_error = |k: usize| {
                 found[k].as_ref().map_or(0.0, |s| distance(s.observation.at, self.tracks[k].expected_place()))

@@ -75,6 +75,8 @@ impl Template {
     fn parabola_vertex(squares: impl Fn(Radian) -> f64, start: Radian) -> Radian {
         let [before, here, after] = [-FINE, 0.0, FINE].map(|t| squares(start + t));
         let shift = 0.5 * FINE * (before - after) / (before - 2.0 * here + after);
+        // A parabola through three nearly equal values has its vertex anywhere; no better place lies beyond the next
+        // try.
         let max_shift = FASTEST / f64::from(TRIES);
         if shift.is_finite() { start + shift.clamp(-max_shift, max_shift) } else { start }
     }

@@ -89,6 +89,7 @@ impl Lens {
             let distorted = self.distort(ray);
             let miss = [goal[0] - distorted[0], goal[1] - distorted[1]];
             if miss[0].hypot(miss[1]) < RAY_TOLERANCE {
+                // Beyond the fold of a distortion a second ray has the same pixel, and Newton's method may end there.
                 return self.is_invertible(ray).then_some(ray);
             }
             let step = solve(self.distortion_jacobian(ray), miss)?;

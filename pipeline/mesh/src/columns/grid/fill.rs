@@ -89,6 +89,8 @@ impl Grid<'_> {
                 let [hollow, thickness] = self.hollow_and_thickness(layer);
                 let refined_ends = [layer > 0 && outermost(layer - 1), layer + 1 < count && outermost(layer + 1)];
                 match hollow > 0.0 {
+                    // Towards the wall: refining the ribs' depth to third order changed the angle by 3 to 5.5 %, sheet
+                    // and layers of 0.4 mm by 0.05 %. A third cut of the depth made walls jump at 205 mbar.
                     true if refined_ends[0] || refined_ends[1] => {
                         fractions_towards(thickness, refined_ends, &grading.depth.map(|part| part * wall))
                     }

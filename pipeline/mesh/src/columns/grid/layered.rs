@@ -82,6 +82,7 @@ impl Layered<'_> {
             inside: Rows { wall, grading }.rows_inside(self.slabs, self.layers),
             longest: grading.height.map(|part| part * wall),
             half: self.cut == Some(0),
+            // A shorter cell would be a sliver beside cells of half a wall; a wedge changes the number of points there.
             shortest: 0.1 * wall,
             tolerance: self.tolerance,
         };
@@ -105,6 +106,8 @@ impl Layered<'_> {
                 [height(1) - height(0), height(top) - height(top - 1)]
             })
         });
+        // The thinnest wall sizes all cells: boundary layers are as wide as their wall is thick, and it is the one that
+        // bulges and buckles.
         thicknesses.reduce(f64::min)
     }
 

@@ -125,6 +125,7 @@ const SWEEPS: usize = 200;
 
 /// Differences of neighbouring heights where both are known.
 fn height_gaps(heights: &[Option<Metre>]) -> Vec<Option<Metre>> {
+    // Levels that meet keep a share: where all between two known heights did, their shares would be 0/0.
     heights.windows(2).map(|pair| Some((pair[1]? - pair[0]?).max(1e-9))).collect()
 }
 

@@ -100,6 +100,7 @@ impl Row {
 pub(crate) fn plan_cells(slabs: &[Slab], division: &Division) -> Cells {
     let mut stations = station_rows(slabs, division.tolerance);
     divide_strips(slabs, &mut stations, division);
+    // It ends, since each round adds points that keep the shortest length from all others.
     while continue_points(slabs, &mut stations, division) {}
     let mut cells = Cells::default();
     let numbers: Vec<Vec<u32>> = stations.iter().map(|row| cells.number_row(row)).collect();
@@ -286,9 +287,11 @@ impl Strip<'_> {
         lower_place + part * (self.slab.curve_position(self.lower + 1, q) - lower_place)
     }
 
-    /// m; zero where it has shrunk to a point, to a millionth of the slab.
+    /// m; zero where it has shrunk to a point, to a hundred-thousandth of the slab.
     fn strip_height(&self, q: Metre) -> Metre {
         let height = self.slab.curve_position(self.lower + 1, q) - self.slab.curve_position(self.lower, q);
+        // Outlines are sampled a millionth of the slab beside its ends, where a strip that ends in a point is about
+        // that high.
         if height > 1e-5 * (self.slab.to - self.slab.from) { height } else { 0.0 }
     }
 

@@ -122,6 +122,8 @@ fn find_stations(outlines: &Graph, tolerance: Metre) -> Vec<Metre> {
     let mut stations: Vec<Vec<Metre>> = Vec::new();
     for q in places {
         match stations.last_mut() {
+            // Against the first of a group and not the last: a chain of places, each near the one before, would become
+            // one station.
             Some(station) if q - station[0] <= tolerance => station.push(q),
             _ => stations.push(vec![q]),
         }

@@ -48,6 +48,8 @@ fn read_bits(picture: &Gray, quad: &Quad, side: usize) -> Option<u64> {
     let border: Vec<f64> = (0..cells * cells).filter(is_border).map(|k| level(k / cells, k % cells)).collect();
     let black = median(border.clone());
     let white = median(margin_levels(picture, &map, cells, margin));
+    // From the border and the margin: a threshold from all cells, as Otsu's, has no white to go by in a marker whose
+    // bits are almost all black.
     let middle = 0.5 * (black + white);
     let light = border.iter().filter(|level| **level > middle).count();
     if white - black < LEAST_CONTRAST || light as f64 > LIGHT_BORDER * border.len() as f64 {
