@@ -218,7 +218,7 @@ impl Newton {
         self.factor.compute(symbolic, &potential.data.pattern, &self.tangent, probe)?;
         self.factor_rank_one = RankOneUpdates::new(potential.rank_one_terms(u));
         let factor = &mut self.factor;
-        if self.factor_rank_one.prepare(|x| factor.solve(symbolic, x)) {
+        if self.factor_rank_one.prepare_solves(|x| factor.solve(symbolic, x)) {
             Ok(())
         } else {
             Err(FactorError::NotPositiveDefinite)
@@ -238,7 +238,7 @@ impl Newton {
         let dofs = &data.pattern.dof;
         self.rotation.iter().for_each(|rotation| rotation.apply(dofs, true, x));
         self.factor.solve(&data.symbolic, x);
-        self.factor_rank_one.correct(x);
+        self.factor_rank_one.correct_solution(x);
         self.rotation.iter().for_each(|rotation| rotation.apply(dofs, false, x));
     }
 
