@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use cli::meshing::options::MeshSurfaces;
-use cli::options::{CalibrateCamera, Place, TrackFilm};
-use cli::reducing::ReduceCase;
-use cli::twin::ExportedTwin;
+use crate::meshing::options::MeshSurfaces;
+use crate::options::{CalibrateCamera, Place, TrackFilm};
+use crate::reducing::ReduceCase;
+use crate::twin::ExportedTwin;
 use diagnostics::{Diagnostic, Result, output};
 use simulate::RunOptions;
 use study::Runner;
@@ -13,38 +13,49 @@ use track::board::{Target, TargetKind};
 use workflow::runner::{Goal, Options};
 use workflow::snakemake::{self, Export, Workflow};
 
+/// Creates a specimen, from a folder of recordings or empty.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn init_specimen(place: &Place, name: &str, from: Option<&Path>) -> Result<bool> {
     let (root, profile) = (&place.root, place.profile.into());
     output::line(match from {
-        Some(folder) => cli::init::from_folder(root, profile, (name, folder))?,
-        None => cli::init::run(root, profile, name)?,
+        Some(folder) => crate::init::from_folder(root, profile, (name, folder))?,
+        None => crate::init::run(root, profile, name)?,
     });
     Ok(true)
 }
 
 /// Checks specimens, or proposes the card of a folder of recordings.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn run_doctor(place: &Place, name: Option<&str>) -> Result<bool> {
     match name {
-        Some(folder) if cli::proposal::is_folder(&place.root, place.profile.into(), folder) => {
-            let (proposal, path) = cli::proposal::write(Path::new(folder))?;
+        Some(folder) if crate::proposal::is_folder(&place.root, place.profile.into(), folder) => {
+            let (proposal, path) = crate::proposal::write(Path::new(folder))?;
             output::text(&proposal);
             output::line(format_args!("{}: fill in the lines marked FILL IN and check the others", path.display()));
             Ok(true)
         }
         _ => {
             let (runner, _) = open_study(place)?;
-            let report = cli::doctor::run(&runner, name)?;
+            let report = crate::doctor::run(&runner, name)?;
             output::text(&report);
             Ok(report.is_well())
         }
     }
 }
 
+/// Makes what is stale of a goal, and the page.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn run_stages(place: &Place, goal: &Goal, fresh: bool) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     study::readable(&diagnostics, goal.group.as_deref())?;
     if !place.quiet {
-        cli::pictures::left_out(&runner, goal).iter().for_each(output::note);
+        crate::pictures::left_out(&runner, goal).iter().for_each(output::note);
     }
     let summary = study::run(&runner, goal, fresh)?;
     study::page(&runner)?;
@@ -52,24 +63,39 @@ pub fn run_stages(place: &Place, goal: &Goal, fresh: bool) -> Result<bool> {
 }
 
 /// Makes a figure or a table.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn make_exhibit(place: &Place, name: &str) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     let goal = Goal { entries: vec![name.to_owned()], group: None };
     Ok(print_diagnostics(&diagnostics) & study::run(&runner, &goal, false)?.is_complete())
 }
 
+/// Makes records whose inputs are up to date.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn make_records(place: &Place, records: &[String]) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     records.iter().try_for_each(|record| study::readable(&diagnostics, record.split('/').nth(1)))?;
     Ok(runner.make(records)?.is_complete())
 }
 
+/// Publishes the figures and tables of a goal.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn publish_exhibits(place: &Place, goal: &Goal) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     output::line(study::publish(&runner, goal)?.display());
     Ok(print_diagnostics(&diagnostics))
 }
 
+/// Writes the page of the project.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn write_page(place: &Place) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     output::line(study::page(&runner)?.display());
@@ -105,6 +131,10 @@ impl<'a> PlanForm<'a> {
     }
 }
 
+/// Prints or draws what would be made.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn show_plan(place: &Place, goal: &Goal, form: &PlanForm) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     study::readable(&diagnostics, goal.group.as_deref())?;
@@ -121,12 +151,19 @@ pub fn show_plan(place: &Place, goal: &Goal, form: &PlanForm) -> Result<bool> {
 }
 
 /// Prints what makes an entry stale.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn explain_entry(place: &Place, name: &str) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     output::line(runner.why(name)?);
     Ok(print_diagnostics(&diagnostics))
 }
 
+/// Simulates a case, with a check of its gradients or without.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn simulate_case(case: &Path, options: RunOptions, certify: bool) -> Result<bool> {
     match certify {
         true => simulate::certify(case, options)?.1.iter().for_each(output::line),
@@ -135,17 +172,28 @@ pub fn simulate_case(case: &Path, options: RunOptions, certify: bool) -> Result<
     Ok(true)
 }
 
+/// Reduces a case to a real-time model.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn reduce_case(asked: &ReduceCase, quiet: bool) -> Result<bool> {
     output::line(simulate::reduce(&asked.options(quiet))?);
     Ok(true)
 }
 
+/// Meshes surfaces.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn mesh_surfaces(asked: &MeshSurfaces, quiet: bool) -> Result<bool> {
-    output::text(cli::meshing::run(asked, quiet)?.report);
+    output::text(crate::meshing::run(asked, quiet)?.report);
     Ok(true)
 }
 
 /// Fits the laws of a page, whatever its kind of test.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn fit_page(root: &Path, page: &Path, out: Option<&Path>) -> Result<bool> {
     let page = sysid::free_vibration::page(root, page);
     if sysid::joint_fit::is_page(&page) {
@@ -161,6 +209,10 @@ pub fn fit_page(root: &Path, page: &Path, out: Option<&Path>) -> Result<bool> {
     Ok(true)
 }
 
+/// Downloads the recordings of a page.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn fetch_recordings(root: &Path, page: &Path) -> Result<bool> {
     let page = sysid::free_vibration::page(root, page);
     for recording in sysid::free_vibration::fetch(root, &page)? {
@@ -169,12 +221,20 @@ pub fn fetch_recordings(root: &Path, page: &Path) -> Result<bool> {
     Ok(true)
 }
 
+/// Evaluates the force logs of a page.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn evaluate_forces(page: &Path, out: Option<&Path>) -> Result<bool> {
     let (report, folder) = instruments::force::run(page, out)?;
     output::line(format_args!("{report}results: {}", folder.display()));
     Ok(true)
 }
 
+/// Calibrates a camera from pictures of a target.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn calibrate_camera(asked: &CalibrateCamera) -> Result<bool> {
     let request = calibration_request(asked);
     let camera = instruments::calibrate::camera(&request, None)?;
@@ -182,14 +242,22 @@ pub fn calibrate_camera(asked: &CalibrateCamera) -> Result<bool> {
     Ok(true)
 }
 
+/// Tracks the markers of a film.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn track_film(asked: &TrackFilm, quiet: bool) -> Result<bool> {
-    let tracked = cli::track::run(asked)?;
+    let tracked = crate::track::run(asked)?;
     if !quiet {
         output::line(&tracked.summary);
     }
     Ok(tracked.complete)
 }
 
+/// Prepares the paper and typesets it.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn typeset_paper(place: &Place) -> Result<bool> {
     // the paper profile is set from what is tracked where nothing was recorded
     let (runner, diagnostics) = open_without_specimens(place)?;
@@ -201,6 +269,9 @@ pub fn typeset_paper(place: &Place) -> Result<bool> {
 }
 
 /// Writes the workflow, or sets the marks of one that was written into `folder`.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn export_snakemake(place: &Place, folder: Option<&PathBuf>, goal: &Goal, marks: bool) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     match (marks, folder) {
@@ -214,14 +285,22 @@ pub fn export_snakemake(place: &Place, folder: Option<&PathBuf>, goal: &Goal, ma
     Ok(print_diagnostics(&diagnostics))
 }
 
+/// Exports the real-time model of a specimen.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn export_twin(place: &Place, name: &str, folder: Option<&Path>) -> Result<bool> {
     let (runner, diagnostics) = open_study(place)?;
     study::readable(&diagnostics, Some(name))?;
-    let ExportedTwin { folder, kept } = cli::twin::export(&runner, name, folder)?;
+    let ExportedTwin { folder, kept } = crate::twin::export(&runner, name, folder)?;
     print_export(&folder, &kept);
     Ok(print_diagnostics(&diagnostics))
 }
 
+/// Prints the stages, figures and tables.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn list_entries() -> Result<bool> {
     output::text(study::description());
     Ok(true)
@@ -263,6 +342,10 @@ fn open_without_specimens(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
     study::open_without_specimens(&place.root, place.profile.into(), runner_options(place))
 }
 
+/// Compares records with expected and published values.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn check_records(place: &Place, junit: Option<&Path>) -> Result<bool> {
     let (runner, diagnostics) = open_without_specimens(place)?;
     let checked = study::check(&runner)?;
@@ -275,8 +358,11 @@ pub fn check_records(place: &Place, junit: Option<&Path>) -> Result<bool> {
 }
 
 /// Checks the gradients of every case and reduced tail; returns whether all of them pass.
+///
+/// # Errors
+/// A [`Diagnostic`] of what stopped it.
 pub fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) -> Result<bool> {
-    let is_twin = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == cli::twin::ENDING);
+    let is_twin = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == crate::twin::ENDING);
     let (twins, named): (Vec<&PathBuf>, Vec<&PathBuf>) = cases.iter().partition(is_twin);
     let examples = if cases.is_empty() { simulate::gradient_check::examples(root)? } else { Vec::new() };
     let mut hold = true;
@@ -290,7 +376,7 @@ pub fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool
         let report = simulate::gradient_check::run(case, steps)?;
         see(report.holds(), &report);
     }
-    for report in cli::twin::check_gradients(&twins, cases.is_empty(), steps)? {
+    for report in crate::twin::check_gradients(&twins, cases.is_empty(), steps)? {
         see(report.holds(), &report);
     }
     Ok(hold)

@@ -1,12 +1,11 @@
 //! `study`: the pipeline's command line. Exit code 0 for success, 1 for bad input or drift, 2 for usage.
 
-mod commands;
-
 use std::process::ExitCode;
 
 use clap::Parser;
+use cli::commands::{self, PlanForm};
 use cli::options::{Checked, Cli, Command, Exported, Place};
-use commands::PlanForm;
+
 use diagnostics::{Result, next_move, output, processor};
 use simulate::RunOptions;
 use workflow::runner::Goal;

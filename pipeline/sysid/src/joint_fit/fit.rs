@@ -87,7 +87,7 @@ impl Fit<'_> {
     ///
     /// # Errors
     /// A diagnostic where no shape or motion is found.
-    pub fn predict_condition(
+    pub(crate) fn predict_condition(
         &self,
         point: &[f64],
         (test, condition): Which,

@@ -46,7 +46,7 @@ impl Bench<'_> {
     }
 
     /// The results of a law, or why there are none.
-    pub fn law_results(&self, laws: &[&'static Law]) -> Vec<(&'static Law, Result<LawResult>)> {
+    pub(crate) fn law_results(&self, laws: &[&'static Law]) -> Vec<(&'static Law, Result<LawResult>)> {
         laws.par_iter().map(|law| (*law, self.law_result(law))).collect()
     }
 

@@ -122,7 +122,7 @@ impl Load {
     }
 
     /// The difference of the coordinate `number` from that of `other`.
-    pub fn coordinate_difference(&self, other: &Self, number: usize) -> f64 {
+    pub(crate) fn coordinate_difference(&self, other: &Self, number: usize) -> f64 {
         self.at[number] - other.at[number]
     }
 
@@ -132,12 +132,12 @@ impl Load {
     }
 
     /// Distance of the constants alone, whatever the pressures.
-    pub fn constants_distance(&self, other: &Self) -> f64 {
+    pub(crate) fn constants_distance(&self, other: &Self) -> f64 {
         self.at[1..].iter().zip(&other.at[1..]).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Distance over which an expansion fails: shapes change most with the pressure.
-    pub fn expansion_distance(&self, other: &Self) -> f64 {
+    pub(crate) fn expansion_distance(&self, other: &Self) -> f64 {
         self.distance_to(other).hypot(PRESSURE * self.coordinate_difference(other, 0))
     }
 

@@ -26,7 +26,7 @@ pub struct Task<U: 'static> {
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no such record, or when an input is missing or stale.
-pub fn split_task<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<Task<U>> {
+pub(crate) fn split_task<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<Task<U>> {
     let named = find_records(&jobs, names)?;
     let needed = reachable_records(&jobs, named.clone());
     let jobs: Vec<Job<U>> = jobs.into_iter().filter(|job| needed.contains(&job.id)).collect();
@@ -51,7 +51,7 @@ pub fn split_task<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[S
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no such record, or that names the first that is not up to date.
-pub fn require_current<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<()> {
+pub(crate) fn require_current<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<()> {
     let named = find_records(&jobs, names)?;
     let stages: Vec<&str> = named.iter().map(|id| id.stage).collect();
     let needed = reachable_records(&jobs, named.clone());

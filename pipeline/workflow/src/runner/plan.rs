@@ -24,7 +24,7 @@ pub(super) enum Action {
 }
 
 /// One line a record, and a last line with the count.
-pub fn plan_text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
+pub(crate) fn plan_text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
     let actions = judge_jobs(runner, jobs).actions;
     let mut lines: Vec<String> = jobs.iter().zip(&actions).map(|(job, action)| plan_line(job, action)).collect();
     let stale = actions.iter().filter(|action| !action.keeps()).count();
@@ -33,7 +33,7 @@ pub fn plan_text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
 }
 
 /// The names of the records that would be made.
-pub fn stale_records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
+pub(crate) fn stale_records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
     let actions = judge_jobs(runner, jobs).actions;
     let stale = jobs.iter().zip(&actions).filter(|(_, action)| !action.keeps());
     stale.map(|(job, _)| job.id.to_string()).collect()
@@ -55,7 +55,7 @@ pub struct Outdated {
 }
 
 /// The records in the store that a run would not keep: what is shown or exported of them would be of other inputs than the present ones.
-pub fn outdated_records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Outdated> {
+pub(crate) fn outdated_records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Outdated> {
     let plan = judge_jobs(runner, jobs);
     let in_store = |job: &Job<U>| runner.folders.record(&job.id).exists();
     let outdated = jobs.iter().zip(&plan.actions).filter(|(job, action)| !action.keeps() && in_store(job));
@@ -63,7 +63,7 @@ pub fn outdated_records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec
 }
 
 /// The inputs of the records of one stage, and the differences that make them stale.
-pub fn explain_staleness<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], entry: &str) -> String {
+pub(crate) fn explain_staleness<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], entry: &str) -> String {
     let actions = judge_jobs(runner, jobs).actions;
     let of_entry = jobs.iter().zip(&actions).filter(|(job, _)| job.id.stage == entry);
     of_entry
@@ -91,7 +91,7 @@ impl Share {
 }
 
 /// The share of each stage.
-pub fn stage_shares<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeMap<&'static str, Share> {
+pub(crate) fn stage_shares<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeMap<&'static str, Share> {
     let mut shares: BTreeMap<&'static str, Share> = BTreeMap::new();
     for (job, action) in
         jobs.iter().zip(judge_jobs(runner, jobs).actions).filter(|(job, _)| job.entry.kind == Kind::Stage)

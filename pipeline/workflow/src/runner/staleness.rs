@@ -60,12 +60,12 @@ pub(super) fn present_inputs<'a, U: Universe>(
 }
 
 /// Compares what lies on disk with what a job would be made from now.
-pub fn record_state<U: Universe>(runner: &Runner<U>, job: &Job<U>, now: &MadeFrom, hashes: &Hashes) -> State {
+pub(crate) fn record_state<U: Universe>(runner: &Runner<U>, job: &Job<U>, now: &MadeFrom, hashes: &Hashes) -> State {
     compared_state(Store::new(&runner.folders).find_with(&job.id, hashes), now)
 }
 
 /// Compares what was found with what a job would be made from now.
-pub fn compared_state(stored: Found, now: &MadeFrom) -> State {
+pub(crate) fn compared_state(stored: Found, now: &MadeFrom) -> State {
     match stored {
         Found::Nothing => State::Stale(vec!["it was never made".into()]),
         Found::Damaged(damage) => State::Damaged(damage),
