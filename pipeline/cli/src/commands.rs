@@ -388,7 +388,8 @@ fn print_diagnostics(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.is_empty()
 }
 
-/// The same where one specimen was asked for, whose own card could be read: the cards of others are mentioned and stop nothing.
+/// The same where one specimen was asked for, whose own card could be read: the cards of others are mentioned and stop
+/// nothing.
 fn print_others(diagnostics: &[Diagnostic], specimen: Option<&str>) -> bool {
     if specimen.is_none() {
         return print_diagnostics(diagnostics);

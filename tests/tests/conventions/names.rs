@@ -1,7 +1,9 @@
-//! How the names of a crate read, counted: filler among its bindings, functions of one word, and functions that are too long to have one job.
+//! How the names of a crate read, counted: filler among its bindings, functions of one word, and functions that are
+//! too long to have one job.
 //!
-//! A reader translates a binding that is called `found` or `own` and a function that is called `of`; crates that are read with ease have few of them
-//! (`fenris`, `fidget` and `ripgrep`: 0 to 4 % of the bindings, 31 to 42 % of the functions). Tests, benches, examples and fuzz targets do not count.
+//! A reader translates a binding that is called `found` or `own` and a function that is called `of`; crates that are
+//! read with ease have few of them (`fenris`, `fidget` and `ripgrep`: 0 to 4 % of the bindings, 31 to 42 % of the
+//! functions). Tests, benches, examples and fuzz targets do not count.
 
 use std::collections::BTreeMap;
 

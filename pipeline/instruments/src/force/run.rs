@@ -126,7 +126,8 @@ fn corrected_series(log: &Recorded, (rest, zero): (&Series, &[f64]), talk: Optio
     Ok([level, force])
 }
 
-/// Standard deviation of a mean cross-talk, N: the curve is uncertain by its noise at the last knot, and in proportion below.
+/// Standard deviation of a mean cross-talk, N: the curve is uncertain by its noise at the last knot, and in proportion
+/// below.
 fn talk_sigma(talk: &CrossTalk, crosstalk: Newton) -> Newton {
     talk.sigma * crosstalk / talk.forces.last().copied().unwrap_or(1.0).max(1e-9)
 }
