@@ -11,6 +11,7 @@
 //!
 //! Depends on `study` and on its dependencies.
 
+pub mod commands;
 pub mod doctor;
 pub mod init;
 pub mod meshing;

@@ -16,7 +16,7 @@ const PAGE: &str = "tail.txt";
 const EXAMPLES: &str = "examples/";
 
 /// Ending of the arrays' file.
-pub const ENDING: &str = "safetensors";
+pub(crate) const ENDING: &str = "safetensors";
 
 /// Reports on the gradients of the tails in `files`, and on those of the example in air and in water where it is asked for.
 ///

@@ -55,7 +55,7 @@ impl RegionProperties {
 
     /// The derivative of the long-term moduli by C₂₀/C₁₀ (0) or C₃₀/C₁₀ (1), Pa.
     pub(crate) fn moduli_by_stiffening(&self, which: usize) -> Moduli {
-        Moduli::unit(2 + which).scaled(0.5 * self.moduli().mu)
+        Moduli::unit_modulus(2 + which).scaled(0.5 * self.moduli().mu)
     }
 }
 

@@ -33,6 +33,70 @@ impl std::fmt::Debug for System {
     }
 }
 
+/// What was validated, before anything is factorised.
+struct CheckedBody {
+    mesh: Mesh,
+    regions: Vec<RegionProperties>,
+    clamps: Clamps,
+    graph: NodeGraph,
+    reference: ReferenceElements,
+    chambers: Vec<ChamberPressure>,
+}
+
+impl CheckedBody {
+    fn new(mesh: Mesh, regions: Vec<RegionProperties>, clamps: Clamps, options: &Options) -> Result<Self, SetupError> {
+        validation::check_nodes(&mesh, &clamps)?;
+        validation::check_regions(&mesh, &regions)?;
+        validation::check_masses(&mesh, &options.masses)?;
+        options.contact.map_or(Ok(()), |contact| validation::check_contact(&mesh, contact))?;
+        let clamps = clamps.with_symmetry(&mesh);
+        let graph = mesh.graph();
+        let shear_share = options.shear_share.unwrap_or(SHEAR_SHARE);
+        validation::shear_share(shear_share)?;
+        let reference = ReferenceElements::new(&mesh, shear_share);
+        validation::check_elements(&mesh, &reference, &graph)?;
+        validation::check_constraints(&mesh, &graph, &clamps)?;
+        let chambers = chamber_pressures(&mesh, &graph)?;
+        Ok(Self { mesh, regions, clamps, graph, reference, chambers })
+    }
+
+    /// The system, with sparsity, masses and symbolic factorisation.
+    fn prepare(self, options: Options) -> Result<System, SetupError> {
+        let Self { mesh, regions, clamps, graph, reference, chambers } = self;
+        let constrained = clamps.by_node(mesh.nodes.len());
+        let pattern = Pattern::new(&mesh.nodes, &graph, &constrained);
+        let contact = options.contact.map(|contact| Arc::new(SelfContact::new(&mesh, contact)));
+        let block_positions = block_positions(&mesh, &pattern);
+        if pattern.dofs() == 0 {
+            return Err(SetupError::FullyConstrained { nodes: mesh.nodes.len() });
+        }
+        let densities: Vec<f64> = regions.iter().map(|region| region.density).collect();
+        let products = ShapeProducts::new(&mesh, options.lumped_mass);
+        let assembly =
+            MassAssembly { mesh: &mesh, pattern: &pattern, block_positions: &block_positions, products: &products };
+        let mass = Arc::new(Mass::new(&assembly, &densities, &options.masses));
+        let symbolic = Symbolic::new(&pattern).map_err(|cause| SetupError::TooLarge { dofs: pattern.dofs(), cause })?;
+        let data = SystemData {
+            size: mesh.size(),
+            volumes: region_volumes(&mesh, &reference, regions.len()),
+            mesh,
+            regions,
+            reference,
+            pattern,
+            block_positions,
+            symbolic: Arc::new(symbolic),
+            options,
+            products,
+            mass,
+            chambers,
+            contact,
+            constrained,
+            couplings: BTreeSet::new(),
+        };
+        Ok(System { data: Arc::new(data) })
+    }
+}
+
 impl System {
     /// Validates and prepares `mesh`.
     ///
@@ -55,52 +119,7 @@ impl System {
         clamped: impl Into<Clamps>,
         options: Options,
     ) -> Result<Self, SetupError> {
-        let clamps: Clamps = clamped.into();
-        validation::check_nodes(&mesh, &clamps)?;
-        validation::check_regions(&mesh, &regions)?;
-        validation::check_masses(&mesh, &options.masses)?;
-        options.contact.map_or(Ok(()), |contact| validation::check_contact(&mesh, contact))?;
-        let clamps = clamps.with_symmetry(&mesh);
-        let graph = mesh.graph();
-        let shear_share = options.shear_share.unwrap_or(SHEAR_SHARE);
-        validation::shear_share(shear_share)?;
-        let reference = ReferenceElements::new(&mesh, shear_share);
-        validation::check_elements(&mesh, &reference, &graph)?;
-        validation::check_constraints(&mesh, &graph, &clamps)?;
-        let chambers = chamber_pressures(&mesh, &graph)?;
-        let constrained = clamps.by_node(mesh.nodes.len());
-        let pattern = Pattern::new(&mesh.nodes, &graph, &constrained);
-        let contact = options.contact.map(|contact| Arc::new(SelfContact::new(&mesh, contact)));
-        let block_positions = block_positions(&mesh, &pattern);
-        if pattern.dofs() == 0 {
-            return Err(SetupError::FullyConstrained { nodes: mesh.nodes.len() });
-        }
-        let densities: Vec<f64> = regions.iter().map(|region| region.density).collect();
-        let products = ShapeProducts::new(&mesh, options.lumped_mass);
-        let assembly =
-            MassAssembly { mesh: &mesh, pattern: &pattern, block_positions: &block_positions, products: &products };
-        let mass = Arc::new(Mass::new(&assembly, &densities, &options.masses));
-        let symbolic = Symbolic::new(&pattern).map_err(|cause| SetupError::TooLarge { dofs: pattern.dofs(), cause })?;
-        let size = mesh.size();
-        let volumes = region_volumes(&mesh, &reference, regions.len());
-        let data = SystemData {
-            mesh,
-            regions,
-            reference,
-            volumes,
-            pattern,
-            block_positions,
-            symbolic: Arc::new(symbolic),
-            options,
-            products,
-            mass,
-            chambers,
-            contact,
-            constrained,
-            couplings: BTreeSet::new(),
-            size,
-        };
-        Ok(Self { data: Arc::new(data) })
+        CheckedBody::new(mesh, regions, clamped.into(), &options)?.prepare(options)
     }
 
     /// The same body whose walls pass through each other: what a reduced model of motions, which have no contact, is reduced from.

@@ -61,7 +61,7 @@ pub(crate) fn check_elements(mesh: &Mesh, reference: &ReferenceElements, graph: 
             return Err(SetupError::InvertedElement { element, volume });
         }
     }
-    match (0..graph.len()).find(|&node| graph.of(node as u32).is_empty()) {
+    match (0..graph.len()).find(|&node| graph.neighbours_of(node as u32).is_empty()) {
         Some(node) => Err(SetupError::UnusedNode { node }),
         None => Ok(()),
     }
@@ -191,7 +191,7 @@ pub(crate) fn check_constraints(mesh: &Mesh, graph: &NodeGraph, clamps: &Clamps)
             for motion in (0..3).filter(|&axis| axes[axis]).map(|axis| rigid_motion(offset, axis)) {
                 gram += motion * motion.transpose();
             }
-            for &other in graph.of(next) {
+            for &other in graph.neighbours_of(next) {
                 if !std::mem::replace(&mut visited[other as usize], true) {
                     queue.push(other);
                 }
@@ -248,7 +248,7 @@ pub(crate) fn on_elements(graph: &NodeGraph, chamber: usize, wall: &Chamber) -> 
     for face in 0..wall.faces.len() {
         let nodes = wall.faces.nodes(face);
         for (a, b) in nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| (a, b))).filter(|(a, b)| a != b) {
-            if graph.of(a).binary_search(&b).is_err() {
+            if graph.neighbours_of(a).binary_search(&b).is_err() {
                 return Err(SetupError::UnattachedFace { chamber, face, a, b });
             }
         }

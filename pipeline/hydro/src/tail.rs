@@ -44,7 +44,7 @@ pub struct Tail {
     marks: usize,
 }
 
-/// A section as [`Tail::water`] sums it, by theory and for a drag coefficient of one.
+/// A section as [`Tail::water_force`] sums it, by theory and for a drag coefficient of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionOfTail<'a> {
     /// Weights of the markers there.
@@ -172,7 +172,7 @@ impl Tail {
     ///
     /// The flux term is integrated by parts, so that the flux through the trailing edge acts there. The time derivative of the first
     /// term is taken by the caller.
-    pub fn water(&self, displacement: &[Point2], velocity: &[Point2], coefficients: Coefficients) -> Water {
+    pub fn water_force(&self, displacement: &[Point2], velocity: &[Point2], coefficients: Coefficients) -> Water {
         let mut water = Water { momentum: vec![[0.0; 2]; self.marks], force: vec![[0.0; 2]; self.marks] };
         let front = self.sections.iter().map(|slice| (slice, true));
         for (slice, sheds) in front.chain(self.behind.iter().map(|slice| (slice, false))) {
@@ -357,11 +357,11 @@ mod tests {
         let motion = |t: f64| bent(0.6 * (9.0 * t).sin(), 5.4 * (9.0 * t).cos());
         let water = |t: f64| {
             let (moved, speed) = motion(t);
-            tail.water(&moved, &speed, FREE)
+            tail.water_force(&moved, &speed, FREE)
         };
         let energy = |t: f64| {
             let (moved, speed) = motion(t);
-            0.5 * power(&tail.water(&moved, &speed, FREE).momentum, &speed)
+            0.5 * power(&tail.water_force(&moved, &speed, FREE).momentum, &speed)
         };
         let (t, step) = (0.07, 1e-5);
         let (moved, speed) = motion(t);
@@ -379,7 +379,7 @@ mod tests {
 
     #[test]
     fn twice_the_added_mass_doubles_the_momentum_of_the_water_and_its_flux() {
-        let of = |added: f64| tail(24).water(&MOVED, &SPEED, Coefficients { added, drag: 0.0 });
+        let of = |added: f64| tail(24).water_force(&MOVED, &SPEED, Coefficients { added, drag: 0.0 });
         let doubled = |list: Vec<Point2>| list.into_iter().map(|at| at.map(|x| 2.0 * x)).collect::<Vec<_>>();
         let (one, two) = (of(1.0), of(2.0));
         // a factor of two is exact
@@ -389,8 +389,10 @@ mod tests {
     #[test]
     fn drag_dissipates_power_and_changes_nothing_else() {
         let tail = tail(24);
-        let (free, dragged) =
-            (tail.water(&MOVED, &SPEED, FREE), tail.water(&MOVED, &SPEED, Coefficients { drag: 2.0, ..FREE }));
+        let (free, dragged) = (
+            tail.water_force(&MOVED, &SPEED, FREE),
+            tail.water_force(&MOVED, &SPEED, Coefficients { drag: 2.0, ..FREE }),
+        );
         assert_eq!(free.momentum, dragged.momentum);
         assert!(power(&dragged.force, &SPEED) < power(&free.force, &SPEED));
     }
@@ -404,7 +406,7 @@ mod tests {
             .unwrap()
         };
         let (short, long) = (of(0.09), of(0.11));
-        let water = |tail: &Tail, drag: f64| tail.water(&MOVED, &SPEED, Coefficients { drag, ..FREE });
+        let water = |tail: &Tail, drag: f64| tail.water_force(&MOVED, &SPEED, Coefficients { drag, ..FREE });
         let kinetic = |tail: &Tail| 0.5 * power(&water(tail, 0.0).momentum, &SPEED);
         assert!(kinetic(&long) > 1.05 * kinetic(&short));
         assert_eq!(water(&long, 0.0).force, water(&short, 0.0).force);

@@ -6,8 +6,9 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Stress along the skin (Pa) at the stretch λ in both directions, through whose thickness there is none.
 fn biaxial_stress(law: &dyn Material, moduli: Moduli, stretch: f64) -> f64 {
-    let stress =
-        |thickness: f64| law.stress(&Matrix3::from_diagonal(&Vector3::new(stretch, stretch, thickness)), moduli).1;
+    let stress = |thickness: f64| {
+        law.energy_and_stress(&Matrix3::from_diagonal(&Vector3::new(stretch, stretch, thickness)), moduli).1
+    };
     let (mut thin, mut thick) = (0.5 / stretch.powi(2), 2.0 / stretch.powi(2));
     for _ in 0..60 {
         let middle = 0.5 * (thin + thick);

@@ -23,7 +23,7 @@ pub fn polar_rotation(F: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut R = *F;
     let mut change = f64::INFINITY;
     for _ in 0..POLAR_STEPS {
-        let (cofactors, determinant) = cofactors(&R);
+        let (cofactors, determinant) = cofactors_and_determinant(&R);
         let mut inverse = 1.0 / determinant;
         if !inverse.is_finite() {
             return None;
@@ -34,11 +34,11 @@ pub fn polar_rotation(F: &Matrix3<f64>) -> Option<Matrix3<f64>> {
             inverse /= gamma;
         }
         let next = (R + cofactors * inverse) * 0.5;
-        let before = change;
+        let previous_change = change;
         change = (next - R).norm_squared().sqrt();
         R = next;
         // Convergence is quadratic: the step after one of 1e-8 is rounding.
-        if change < 1e-8 && before < 1.0 {
+        if change < 1e-8 && previous_change < 1.0 {
             return Some(R);
         }
     }
@@ -46,7 +46,7 @@ pub fn polar_rotation(F: &Matrix3<f64>) -> Option<Matrix3<f64>> {
 }
 
 /// The matrix of cofactors and the determinant.
-fn cofactors(of: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
+fn cofactors_and_determinant(of: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
     let [a, b, c]: [Vector3<f64>; 3] = [0, 1, 2].map(|k| of.column(k).into());
     let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
     let determinant = a.dot(&bc);
@@ -64,7 +64,7 @@ struct Terms {
 
 /// None where F is singular or inverted.
 #[allow(non_snake_case)]
-fn terms(F: &Matrix3<f64>, moduli: Moduli) -> Option<Terms> {
+fn corotated_terms(F: &Matrix3<f64>, moduli: Moduli) -> Option<Terms> {
     if F.determinant() <= 0.0 {
         return None;
     }
@@ -84,8 +84,8 @@ impl Material for Corotated {
 
     // By the formula alone a mirrored tetrahedron has zero energy. Here det F ≤ 0 has infinite energy, so that no step
     // can accept it.
-    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
-        match terms(F, moduli) {
+    fn energy_and_stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
+        match corotated_terms(F, moduli) {
             Some(terms) => (terms.energy, terms.stress),
             None => (f64::INFINITY, Matrix3::zeros()),
         }
@@ -94,13 +94,13 @@ impl Material for Corotated {
     fn stress_by_moduli(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 4] {
         let zero = Matrix3::zeros();
         let by_moduli = |Terms { R, S, .. }| [(F - R) * 2.0, R * (S.trace() - 3.0), zero, zero];
-        terms(F, Moduli::default()).map_or([zero; 4], by_moduli)
+        corotated_terms(F, Moduli::default()).map_or([zero; 4], by_moduli)
     }
 
     /// dP = 2μ dF + λ (R : dF) R + (λ tr(S − I) − 2μ) dR,  dR = Σ_kl Q_k (tr(S) I − S)⁻¹_kl (Q_l : dF),  Q_k = R [e_k]×
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
         let inverted = Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() };
-        let Some(Terms { energy, stress, R, S }) = terms(F, moduli) else {
+        let Some(Terms { energy, stress, R, S }) = corotated_terms(F, moduli) else {
             return inverted;
         };
         let Some(inverse) = (Matrix3::identity() * S.trace() - S).try_inverse() else {
@@ -141,6 +141,6 @@ mod tests {
     #[test]
     fn a_mirrored_tetrahedron_has_infinite_energy() {
         let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
-        assert!(Corotated.stress(&mirror, Moduli::of(1.0, 0.25)).0.is_infinite());
+        assert!(Corotated.energy_and_stress(&mirror, Moduli::of(1.0, 0.25)).0.is_infinite());
     }
 }

@@ -9,7 +9,7 @@
 //! use nalgebra::Matrix3;
 //!
 //! let rubber = by_name("neo_hookean").ok_or("no such law")?;
-//! let (energy, stress) = rubber.stress(&Matrix3::identity(), Moduli::of(2e5, 0.45));
+//! let (energy, stress) = rubber.energy_and_stress(&Matrix3::identity(), Moduli::of(2e5, 0.45));
 //! assert!(energy == 0.0 && stress.norm() == 0.0);
 //!
 //! let silicone = Relaxation::springpot(Springpot { strength: 0.06, exponent: 0.27, decades: [-3, 1] })?;

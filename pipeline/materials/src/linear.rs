@@ -17,15 +17,15 @@ impl Material for Linear {
         false
     }
 
-    fn stress(&self, F: &Matrix3<f64>, Moduli { mu, lambda, .. }: Moduli) -> (f64, Matrix3<f64>) {
+    fn energy_and_stress(&self, F: &Matrix3<f64>, Moduli { mu, lambda, .. }: Moduli) -> (f64, Matrix3<f64>) {
         let strain = (F + F.transpose()) * 0.5 - Matrix3::identity();
         let volumetric = strain.trace();
         let energy = mu * strain.norm_squared() + 0.5 * lambda * volumetric * volumetric;
         (energy, strain * (2.0 * mu) + Matrix3::identity() * (lambda * volumetric))
     }
 
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        let (energy, stress) = self.stress(F, moduli);
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+        let (energy, stress) = self.energy_and_stress(F, moduli);
         let mut tangent = Tangent::zeros();
         for i in 0..3 {
             for j in 0..3 {

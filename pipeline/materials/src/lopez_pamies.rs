@@ -13,7 +13,7 @@ pub struct LopezPamies;
 
 /// Both powers hₐ(x) − x, weighted by C₂₀ and C₃₀, with their first and second derivative.
 // By products and a square root, which cost less than a function of any power.
-fn series([stiff, soft]: [f64; 2], x: f64) -> [f64; 3] {
+fn stiffening_series([stiff, soft]: [f64; 2], x: f64) -> [f64; 3] {
     let ratio = 1.0 + x / 3.0;
     let (square, root) = (ratio * ratio, ratio.sqrt());
     let fourth = [0.75 * (square * square - 1.0) - x, square * ratio - 1.0, square];
@@ -31,12 +31,12 @@ impl Material for LopezPamies {
         true
     }
 
-    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
-        stretch::stress(F, moduli, series)
+    fn energy_and_stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
+        stretch::energy_and_stress(F, moduli, stiffening_series)
     }
 
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        stretch::response(F, moduli, series)
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+        stretch::constitutive_response(F, moduli, stiffening_series)
     }
 }
 
@@ -51,7 +51,7 @@ mod tests {
         let (mu, c20, c30, along) = (7e4, 2e3, 9e3, 2.2_f64);
         let across = along.powf(-0.5);
         let gradient = Matrix3::from_diagonal(&Vector3::new(along, across, across));
-        let stress = LopezPamies.stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
+        let stress = LopezPamies.energy_and_stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
         let cauchy = stress * gradient.transpose();
         let first = along * along + 2.0 / along;
         let slope = 0.5 * mu + c20 * ((first / 3.0).powi(3) - 1.0) + c30 * ((first / 3.0).powf(-0.5) - 1.0);

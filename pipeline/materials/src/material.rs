@@ -69,9 +69,9 @@ impl Moduli {
     }
 
     /// One of μ, λ, C₂₀, C₃₀ at 1, the others at 0.
-    pub fn unit(which: usize) -> Self {
-        let at = |n: usize| f64::from(u8::from(n == which));
-        Self { mu: at(0), lambda: at(1), stiffening: [at(2), at(3)] }
+    pub fn unit_modulus(which: usize) -> Self {
+        let entry = |n: usize| f64::from(u8::from(n == which));
+        Self { mu: entry(0), lambda: entry(1), stiffening: [entry(2), entry(3)] }
     }
 
     /// Every modulus multiplied by `factor`.
@@ -112,10 +112,10 @@ pub trait Material: std::fmt::Debug + Send + Sync {
     }
 
     /// ψ (J/m³) and P = ∂ψ/∂F (Pa); ψ is infinite where det F ≤ 0 and the law forbids inversion.
-    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>);
+    fn energy_and_stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>);
 
     /// ψ, P and ∂P/∂F together.
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response;
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response;
 
     /// Whether C₂₀ and C₃₀ act.
     fn is_stiffening(&self) -> bool {
@@ -126,7 +126,9 @@ pub trait Material: std::fmt::Debug + Send + Sync {
     /// Parameter gradients, relaxation and mean dilatation rely on this.
     fn stress_by_moduli(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 4] {
         let count = if self.is_stiffening() { 4 } else { 2 };
-        std::array::from_fn(|n| if n < count { self.stress(F, Moduli::unit(n)).1 } else { Matrix3::zeros() })
+        std::array::from_fn(|n| {
+            if n < count { self.energy_and_stress(F, Moduli::unit_modulus(n)).1 } else { Matrix3::zeros() }
+        })
     }
 }
 

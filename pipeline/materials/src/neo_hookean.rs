@@ -8,7 +8,7 @@ use nalgebra::Matrix3;
 pub struct NeoHookean;
 
 /// Where J ≤ 0.
-pub(crate) fn inverted() -> Response {
+pub(crate) fn inverted_response() -> Response {
     Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() }
 }
 
@@ -32,7 +32,7 @@ impl Volume {
     }
 
     /// ψ and P.
-    pub fn stress(&self, F: &Matrix3<f64>, Moduli { mu, lambda, .. }: Moduli) -> (f64, Matrix3<f64>) {
+    pub fn energy_and_stress(&self, F: &Matrix3<f64>, Moduli { mu, lambda, .. }: Moduli) -> (f64, Matrix3<f64>) {
         let Self { ln_J, G } = *self;
         let energy = 0.5 * mu * (F.norm_squared() - 3.0) - mu * ln_J + 0.5 * lambda * ln_J * ln_J;
         (energy, (F - G) * mu + G * (lambda * ln_J))
@@ -64,13 +64,13 @@ impl Material for NeoHookean {
         "neo_hookean"
     }
 
-    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
-        Volume::of(F).map_or((f64::INFINITY, Matrix3::zeros()), |volume| volume.stress(F, moduli))
+    fn energy_and_stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
+        Volume::of(F).map_or((f64::INFINITY, Matrix3::zeros()), |volume| volume.energy_and_stress(F, moduli))
     }
 
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        let Some(volume) = Volume::of(F) else { return inverted() };
-        let (energy, stress) = volume.stress(F, moduli);
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+        let Some(volume) = Volume::of(F) else { return inverted_response() };
+        let (energy, stress) = volume.energy_and_stress(F, moduli);
         Response { energy, stress, tangent: volume.tangent(moduli) }
     }
 }

@@ -1,7 +1,7 @@
 //! Ogden's law with three terms of even powers.
 
 use crate::material::{Material, Moduli, Response, Tangent};
-use crate::neo_hookean::{Volume, inverted};
+use crate::neo_hookean::{Volume, inverted_response};
 use nalgebra::{Matrix3, SVector};
 
 /// ψ = C₁₀ x + C₂₀ [¼ (tr C² − 3) − ln J − x] + C₃₀ [tr C⁻¹ − 3 + 2 ln J − x] + λ/2 ln²J, x = tr C − 3 − 2 ln J, C₁₀ = μ/2    [ogden1972]
@@ -70,16 +70,16 @@ impl Material for Ogden {
         true
     }
 
-    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
+    fn energy_and_stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
         let Some(volume) = Volume::of(F) else { return (f64::INFINITY, Matrix3::zeros()) };
-        let (energy, stress) = volume.stress(F, moduli);
+        let (energy, stress) = volume.energy_and_stress(F, moduli);
         let (terms, [c20, c30]) = (Terms::new(F, &volume), moduli.stiffening);
         (energy + c20 * terms.energy[0] + c30 * terms.energy[1], stress + terms.stress[0] * c20 + terms.stress[1] * c30)
     }
 
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        let Some(volume) = Volume::of(F) else { return inverted() };
-        let (energy, stress) = self.stress(F, moduli);
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+        let Some(volume) = Volume::of(F) else { return inverted_response() };
+        let (energy, stress) = self.energy_and_stress(F, moduli);
         let tangent = volume.tangent(moduli) + Terms::new(F, &volume).tangent(F, moduli.stiffening);
         Response { energy, stress, tangent }
     }
@@ -96,7 +96,7 @@ mod tests {
         let (mu, c20, c30, along) = (7e4, 2e3, 5e3, 1.8_f64);
         for [second, third] in [[along.powf(-0.5); 2], [1.0, 1.0 / along]] {
             let gradient = Matrix3::from_diagonal(&Vector3::new(along, second, third));
-            let stress = Ogden.stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
+            let stress = Ogden.energy_and_stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
             let cauchy = stress * gradient.transpose();
             let power = |alpha: f64| along.powf(alpha) - third.powf(alpha);
             let expected = (mu - 2.0 * c20 - 2.0 * c30) * power(2.0) + c20 * power(4.0) - 2.0 * c30 * power(-2.0);

@@ -25,7 +25,7 @@ pub(crate) const STEEPEST: PowerPair = PowerPair { name: "lopez_pamies_m60", sof
 
 impl PowerPair {
     /// Both powers hₐ(x) − x, weighted by C₂₀ and C₃₀, with their first and second derivative.
-    fn series(&self, [stiff, soft]: [f64; 2], x: f64) -> [f64; 3] {
+    fn stiffening_series(&self, [stiff, soft]: [f64; 2], x: f64) -> [f64; 3] {
         let (b, ratio) = (self.soft, 1.0 + x / 3.0);
         let power = ratio.powf(b - 2.0);
         let steep = [3.0 / b * (power * ratio * ratio - 1.0) - x, power * ratio - 1.0, (b - 1.0) / 3.0 * power];
@@ -44,12 +44,12 @@ impl Material for PowerPair {
         true
     }
 
-    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
-        stretch::stress(F, moduli, |stiffening, x| self.series(stiffening, x))
+    fn energy_and_stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
+        stretch::energy_and_stress(F, moduli, |stiffening, x| self.stiffening_series(stiffening, x))
     }
 
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        stretch::response(F, moduli, |stiffening, x| self.series(stiffening, x))
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+        stretch::constitutive_response(F, moduli, |stiffening, x| self.stiffening_series(stiffening, x))
     }
 }
 
@@ -65,7 +65,7 @@ mod tests {
         for (law, along) in [(&MODERATE, 1.3_f64), (&STEEP, 1.3), (&STEEPEST, 1.05), (&STEEPEST, 2.4)] {
             let across = along.powf(-0.5);
             let gradient = Matrix3::from_diagonal(&Vector3::new(along, across, across));
-            let stress = law.stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
+            let stress = law.energy_and_stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
             let cauchy = stress * gradient.transpose();
             let first = along * along + 2.0 / along;
             let slope = 0.5 * mu + c20 * (first / 3.0 - 1.0) + c30 * ((first / 3.0).powf(law.soft - 1.0) - 1.0);
@@ -77,9 +77,9 @@ mod tests {
     #[test]
     fn the_modulus_saturates_where_the_name_says() {
         for (law, end) in [(&MODERATE, 0.5), (&STEEP, 0.2), (&STEEPEST, 0.05)] {
-            let [_, slope, _] = law.series([0.0, 1.0], end);
+            let [_, slope, _] = law.stiffening_series([0.0, 1.0], end);
             assert!((-0.75..-0.55).contains(&slope), "{}: {slope}", law.name);
-            assert!(law.series([0.0, 1.0], 10.0 * end)[1] < -0.95, "{}", law.name);
+            assert!(law.stiffening_series([0.0, 1.0], 10.0 * end)[1] < -0.95, "{}", law.name);
         }
     }
 }

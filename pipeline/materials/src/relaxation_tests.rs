@@ -4,7 +4,7 @@ use crate::by_name;
 use crate::material::Moduli;
 use crate::relaxation::{Relaxation, Springpot};
 use crate::step::RegionStep;
-use crate::symmetric::{Symmetric, add_scaled, matrix};
+use crate::symmetric::{Symmetric, add_scaled, full_tensor};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::TAU;
 
@@ -19,10 +19,10 @@ fn stresses(law: &str, path: &[Matrix3<f64>], step: f64) -> Vec<Matrix3<f64>> {
     let mut history: Vec<Symmetric> = vec![region.stress(&path[0])];
     history.extend(region.branches.iter().map(|_| [0.0; 6]));
     let stress = |gradient: &Matrix3<f64>| {
-        region.advance(&mut history, region.stress(gradient));
+        region.advance_history(&mut history, region.stress(gradient));
         let mut overstress = [0.0; 6];
         history[1..].iter().for_each(|branch| add_scaled(&mut overstress, 1.0, branch));
-        region.material.stress(gradient, moduli).1 + gradient * matrix(&overstress)
+        region.material.energy_and_stress(gradient, moduli).1 + gradient * full_tensor(&overstress)
     };
     path.iter().map(stress).collect()
 }
@@ -46,11 +46,11 @@ fn harmonic_shear_meets_the_storage_and_loss_modulus_of_the_spectrum() {
             let cycles = (100.0 * frequency).ceil().max(3.0) as usize;
             let strain = |n: usize| 1e-5 * (TAU * n as f64 / STEPS as f64).sin();
             let path: Vec<_> = (0..=cycles * STEPS).map(|n| shear(strain(n))).collect();
-            let found = stresses(law, &path, 1.0 / frequency / STEPS as f64);
+            let path_stresses = stresses(law, &path, 1.0 / frequency / STEPS as f64);
             let last = (cycles - 1) * STEPS + 1..=cycles * STEPS;
             let part = |phase: fn(f64) -> f64| -> f64 {
-                let of = |n: usize| found[n][(0, 1)] / 1e-5 * phase(TAU * n as f64 / STEPS as f64);
-                last.clone().map(of).sum::<f64>() / (0.5 * STEPS as f64)
+                let weighted = |n: usize| path_stresses[n][(0, 1)] / 1e-5 * phase(TAU * n as f64 / STEPS as f64);
+                last.clone().map(weighted).sum::<f64>() / (0.5 * STEPS as f64)
             };
             let [storage, loss] = springpot().complex_modulus(TAU * frequency);
             assert!((part(f64::sin) / storage - 1.0).abs() < 0.005, "{law} {frequency}");
@@ -78,15 +78,17 @@ fn no_closed_cycle_gives_energy() {
         for cycle in 0..12 {
             let c = f64::from(cycle);
             let direction = Matrix3::from_fn(|i, k| (1.3 * c + 2.1 * i as f64 + 0.7 * k as f64).sin() * 0.25);
-            let other = Matrix3::from_fn(|i, k| (0.4 * c + 0.9 * i as f64 - 1.7 * k as f64).cos() * 0.25);
-            let at = |t: f64| {
-                Matrix3::identity() + direction * (TAU * t).sin() + other * (0.5 - 0.5 * (2.0 * TAU * t).cos())
+            let second_direction = Matrix3::from_fn(|i, k| (0.4 * c + 0.9 * i as f64 - 1.7 * k as f64).cos() * 0.25);
+            let gradient_at = |t: f64| {
+                Matrix3::identity()
+                    + direction * (TAU * t).sin()
+                    + second_direction * (0.5 - 0.5 * (2.0 * TAU * t).cos())
             };
-            let path: Vec<_> = (0..=3000).map(|n| at(f64::from(n) / 1000.0)).collect();
-            let found = stresses(law, &path, 1e-3 * 10f64.powi(cycle % 4 - 2));
+            let path: Vec<_> = (0..=3000).map(|n| gradient_at(f64::from(n) / 1000.0)).collect();
+            let path_stresses = stresses(law, &path, 1e-3 * 10f64.powi(cycle % 4 - 2));
             let work: f64 = (1..path.len())
                 .map(|n| {
-                    let mean = (found[n] + found[n - 1]) * 0.5;
+                    let mean = (path_stresses[n] + path_stresses[n - 1]) * 0.5;
                     mean.dot(&(path[n] - path[n - 1]))
                 })
                 .sum();

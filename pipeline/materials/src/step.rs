@@ -2,7 +2,7 @@
 
 use crate::material::{Material, Moduli};
 use crate::relaxation::{Branch, Relaxation};
-use crate::symmetric::{Symmetric, add_scaled, matrix, symmetric};
+use crate::symmetric::{Symmetric, add_scaled, full_tensor, symmetric_part};
 use nalgebra::Matrix3;
 use si::{Pascal, Second};
 
@@ -75,7 +75,7 @@ impl RegionStep {
     /// S_μ / μ = F⁻¹ P_μ / μ.
     pub fn stress(&self, F: &Matrix3<f64>) -> Symmetric {
         match F.try_inverse() {
-            Some(inverse) => symmetric(&(inverse * self.material.stress(F, Moduli::unit(0)).1)),
+            Some(inverse) => symmetric_part(&(inverse * self.material.energy_and_stress(F, Moduli::unit_modulus(0)).1)),
             None => [0.0; 6],
         }
     }
@@ -83,34 +83,34 @@ impl RegionStep {
     /// ΔS_μ / μ = F⁻¹ (∂P_μ : ΔF − ΔF S_μ) / μ at F for a change ΔF.
     pub fn stress_change(&self, F: &Matrix3<f64>, change: &Matrix3<f64>) -> Symmetric {
         let Some(inverse) = F.try_inverse() else { return [0.0; 6] };
-        let response = self.material.response(F, Moduli::unit(0));
+        let response = self.material.constitutive_response(F, Moduli::unit_modulus(0));
         let dP = response.tangent * nalgebra::SVector::<f64, 9>::from_column_slice(change.as_slice());
         let dP = Matrix3::from_column_slice(dP.as_slice());
-        symmetric(&(inverse * (dP - change * inverse * response.stress)))
+        symmetric_part(&(inverse * (dP - change * inverse * response.stress)))
     }
 
     /// ∂(T : S_μ / μ)/∂F for a symmetric T: the transpose of [`RegionStep::stress_change`].
     pub fn stress_pulled_back(&self, F: &Matrix3<f64>, T: &Symmetric) -> Matrix3<f64> {
         let Some(inverse) = F.try_inverse() else { return Matrix3::zeros() };
-        let response = self.material.response(F, Moduli::unit(0));
-        let left = inverse.transpose() * matrix(T);
+        let response = self.material.constitutive_response(F, Moduli::unit_modulus(0));
+        let covariant = inverse.transpose() * full_tensor(T);
         // ∂P is symmetric, so that its transpose is itself.
-        let image = response.tangent * nalgebra::SVector::<f64, 9>::from_column_slice(left.as_slice());
-        Matrix3::from_column_slice(image.as_slice()) - left * (inverse * response.stress).transpose()
+        let image = response.tangent * nalgebra::SVector::<f64, 9>::from_column_slice(covariant.as_slice());
+        Matrix3::from_column_slice(image.as_slice()) - covariant * (inverse * response.stress).transpose()
     }
 
     /// H / μ from a point's history: S_μ / μ, then the overstress of each branch.
-    pub fn held(&self, history: &[Symmetric]) -> Symmetric {
-        let mut held = [0.0; 6];
+    pub fn held_stress(&self, history: &[Symmetric]) -> Symmetric {
+        let mut stress = [0.0; 6];
         for (branch, overstress) in self.branches.iter().zip(&history[1..]) {
-            add_scaled(&mut held, branch.decay, overstress);
-            add_scaled(&mut held, -branch.gain, &history[0]);
+            add_scaled(&mut stress, branch.decay, overstress);
+            add_scaled(&mut stress, -branch.gain, &history[0]);
         }
-        held
+        stress
     }
 
     /// The history after a step that ends at the stress `stress`, in the place of the one before.
-    pub fn advance(&self, history: &mut [Symmetric], stress: Symmetric) {
+    pub fn advance_history(&self, history: &mut [Symmetric], stress: Symmetric) {
         let mut change = stress;
         add_scaled(&mut change, -1.0, &history[0]);
         for (branch, overstress) in self.branches.iter().zip(&mut history[1..]) {
@@ -125,7 +125,7 @@ impl RegionStep {
 mod tests {
     use super::*;
     use crate::by_name;
-    use crate::symmetric::contract;
+    use crate::symmetric::double_contraction;
 
     fn region() -> RegionStep {
         let material = by_name("yeoh").unwrap();
@@ -159,7 +159,7 @@ mod tests {
         (0..6).for_each(|n| assert!((exact[n] - (above[n] - below[n]) / (2.0 * h)).abs() < 1e-8));
         let tensor = [0.3, -0.2, 0.5, 0.1, 0.7, -0.4];
         let back = region.stress_pulled_back(&at, &tensor);
-        assert!((back.dot(&change) - contract(&tensor, &exact)).abs() < 1e-12);
+        assert!((back.dot(&change) - double_contraction(&tensor, &exact)).abs() < 1e-12);
     }
 
     #[test]
@@ -170,9 +170,9 @@ mod tests {
         let region = RegionStep::new(material, Moduli::of(2e5, 0.45), &relaxation, 0.01);
         let stress = region.stress(&Matrix3::new(1.1, 0.0, 0.1, 0.0, 1.0, 0.0, 0.0, 0.0, 0.95));
         let mut history = vec![[0.1, 0.0, 0.0, 0.0, 0.02, 0.0], [0.3; 6], [-0.2; 6]];
-        let mut expected = region.held(&history);
+        let mut expected = region.held_stress(&history);
         add_scaled(&mut expected, region.gain(), &stress);
-        region.advance(&mut history, stress);
+        region.advance_history(&mut history, stress);
         (0..6).for_each(|n| assert!((history[1][n] + history[2][n] - expected[n]).abs() < 1e-15));
         assert_eq!(history[0], stress);
     }

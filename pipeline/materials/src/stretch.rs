@@ -1,7 +1,7 @@
 //! Laws of one stretch: ψ = μ/2 x + s(x) + λ/2 ln²J with x = I₁ − 3 − 2 ln J, and s of second order in x.
 
 use crate::material::{Moduli, Response};
-use crate::neo_hookean::{Volume, inverted};
+use crate::neo_hookean::{Volume, inverted_response};
 use nalgebra::{Matrix3, SVector};
 
 /// x.
@@ -11,7 +11,7 @@ fn stretch(F: &Matrix3<f64>, volume: &Volume) -> f64 {
 }
 
 /// The neo-Hookean moduli of the same stress: the slope of s adds to C₁₀.
-fn secant(moduli: Moduli, slope: f64) -> Moduli {
+fn secant_moduli(moduli: Moduli, slope: f64) -> Moduli {
     Moduli { mu: moduli.mu + 2.0 * slope, ..moduli }
 }
 
@@ -19,7 +19,7 @@ fn secant(moduli: Moduli, slope: f64) -> Moduli {
 #[allow(non_snake_case)]
 ///
 /// `series`: s with its first and second derivative, from C₂₀ and C₃₀ (Pa) and x.
-pub(crate) fn stress(
+pub(crate) fn energy_and_stress(
     F: &Matrix3<f64>,
     moduli: Moduli,
     series: impl Fn([f64; 2], f64) -> [f64; 3],
@@ -27,18 +27,22 @@ pub(crate) fn stress(
     let Some(volume) = Volume::of(F) else { return (f64::INFINITY, Matrix3::zeros()) };
     let x = stretch(F, &volume);
     let [added, slope, _] = series(moduli.stiffening, x);
-    let (energy, stress) = volume.stress(F, secant(moduli, slope));
+    let (energy, stress) = volume.energy_and_stress(F, secant_moduli(moduli, slope));
     (energy - slope * x + added, stress)
 }
 
 /// ψ, P and ∂P/∂F: that of the neo-Hookean law of the same stress, and s″ X ⊗ X with X = ∂x/∂F = 2 (F − F⁻ᵀ).
 #[allow(non_snake_case)]
-pub(crate) fn response(F: &Matrix3<f64>, moduli: Moduli, series: impl Fn([f64; 2], f64) -> [f64; 3]) -> Response {
-    let Some(volume) = Volume::of(F) else { return inverted() };
+pub(crate) fn constitutive_response(
+    F: &Matrix3<f64>,
+    moduli: Moduli,
+    series: impl Fn([f64; 2], f64) -> [f64; 3],
+) -> Response {
+    let Some(volume) = Volume::of(F) else { return inverted_response() };
     let x = stretch(F, &volume);
     let [added, slope, curvature] = series(moduli.stiffening, x);
-    let secant = secant(moduli, slope);
-    let ((energy, stress), mut tangent) = (volume.stress(F, secant), volume.tangent(secant));
+    let secant = secant_moduli(moduli, slope);
+    let ((energy, stress), mut tangent) = (volume.energy_and_stress(F, secant), volume.tangent(secant));
     let X = (F - volume.G) * 2.0;
     let X = SVector::<f64, 9>::from_column_slice(X.as_slice());
     tangent += X * X.transpose() * curvature;

@@ -45,7 +45,7 @@ impl TangentKind<'_> {
     pub fn tangent(&self, at: &PointState, previous: impl Fn(&[f64]) -> Matrix3<f64>) -> Tangent {
         let PointState { material, moduli, F, held } = *at;
         let mut tangent = match self {
-            Self::Exact | Self::Convex => material.response(F, moduli).tangent,
+            Self::Exact | Self::Convex => material.constitutive_response(F, moduli).tangent,
             Self::MixedPoint(from) => mixed_point(material, moduli, &previous(from), F),
             Self::FormerStress(from) => former_stress(material, moduli, &previous(from), F),
         };
@@ -59,7 +59,7 @@ impl TangentKind<'_> {
 /// ∂P : δF = δF S + F (C : sym Fᵀ δF), and S is taken as S₀ + F₀⁻¹ (∂P₀ : ΔF − ΔF S₀), ΔF = F − F₀.      [magisano2017]
 #[allow(non_snake_case)]
 fn mixed_point(material: &'static dyn Material, moduli: Moduli, before: &Matrix3<f64>, now: &Matrix3<f64>) -> Tangent {
-    let (then, here) = (material.response(before, moduli), material.response(now, moduli));
+    let (then, here) = (material.constitutive_response(before, moduli), material.constitutive_response(now, moduli));
     let (Some(then_inverse), Some(inverse)) = (before.try_inverse(), now.try_inverse()) else {
         // A singular F has no second Piola–Kirchhoff stress; the exact tangent is as good as any there.
         return here.tangent;
@@ -84,7 +84,7 @@ fn former_stress(
     before: &Matrix3<f64>,
     now: &Matrix3<f64>,
 ) -> Tangent {
-    let (then, here) = (material.response(before, moduli), material.response(now, moduli));
+    let (then, here) = (material.constitutive_response(before, moduli), material.constitutive_response(now, moduli));
     let (Some(then_inverse), Some(inverse)) = (before.try_inverse(), now.try_inverse()) else { return here.tangent };
     let change = then_inverse * then.stress - inverse * here.stress;
     let mut tangent = here.tangent;

@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 pub struct Yeoh;
 
 /// C₂₀ x² + C₃₀ x³ with its first and second derivative.
-fn series([c20, c30]: [f64; 2], x: f64) -> [f64; 3] {
+fn stiffening_series([c20, c30]: [f64; 2], x: f64) -> [f64; 3] {
     [(c20 + c30 * x) * x * x, (2.0 * c20 + 3.0 * c30 * x) * x, 2.0 * c20 + 6.0 * c30 * x]
 }
 
@@ -27,12 +27,12 @@ impl Material for Yeoh {
         true
     }
 
-    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
-        stretch::stress(F, moduli, series)
+    fn energy_and_stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
+        stretch::energy_and_stress(F, moduli, stiffening_series)
     }
 
-    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        stretch::response(F, moduli, series)
+    fn constitutive_response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+        stretch::constitutive_response(F, moduli, stiffening_series)
     }
 }
 
@@ -47,7 +47,7 @@ mod tests {
         let (mu, c20, c30, along) = (7e4, -3e3, 900.0, 2.2_f64);
         let across = along.powf(-0.5);
         let gradient = Matrix3::from_diagonal(&Vector3::new(along, across, across));
-        let stress = Yeoh.stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
+        let stress = Yeoh.energy_and_stress(&gradient, Moduli { mu, lambda: 0.0, stiffening: [c20, c30] }).1;
         let cauchy = stress * gradient.transpose();
         let x = along * along + 2.0 / along - 3.0;
         let slope = 0.5 * mu + 2.0 * c20 * x + 3.0 * c30 * x * x;

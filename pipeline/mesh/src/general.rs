@@ -44,13 +44,24 @@ pub(crate) fn mesh_general(
     set: &Settings,
     watch: &dyn Fn(&str),
 ) -> Result<(TetMesh, Report), MeshError> {
-    let mut wishes = tetrahedralize::Settings::new(set.edge);
+    let wishes = tetrahedralize::Settings::new(set.edge);
     let closed = ClosedParts::of_assembly(assembly, SEAM * wishes.envelope);
     let assembly = &closed.assembly();
     let parts = assembly.inserts.iter().map(|s| ("insert", *s)).chain(assembly.cavities.iter().map(|s| ("cavity", *s)));
     let named: Vec<(&'static str, &Surface)> = std::iter::once(("body", assembly.body)).chain(parts).collect();
     check_size(&named, set)?;
     let visible = assembly.visible_parts(set.edge);
+    let chosen = best_candidate((assembly, visible.as_ref()), set, wishes, watch)?;
+    Ok((chosen.mesh, closed.with_repairs(chosen.report)))
+}
+
+/// The first mesh that misses nothing, or the best of all attempts.
+fn best_candidate(
+    (assembly, visible): (&Assembly, Option<&Surface>),
+    set: &Settings,
+    mut wishes: tetrahedralize::Settings,
+    watch: &dyn Fn(&str),
+) -> Result<Candidate, MeshError> {
     let (aim, mut best, mut refusal) = (wishes.envelope, None::<Candidate>, None);
     for attempt in 0..ATTEMPTS {
         if attempt > 0 {
@@ -60,8 +71,8 @@ pub(crate) fn mesh_general(
                 wishes.envelope * 1e3
             ));
         }
-        match mesh_candidate((assembly, visible.as_ref()), set, &wishes, watch) {
-            Ok(latest) if latest.miss <= 1.0 => return Ok((latest.mesh, closed.with_repairs(latest.report))),
+        match mesh_candidate((assembly, visible), set, &wishes, watch) {
+            Ok(latest) if latest.miss <= 1.0 => return Ok(latest),
             Ok(latest) => {
                 wishes = closer_settings(wishes, latest.report.hausdorff_m / aim);
                 let former_miss = best.as_ref().map_or(f64::INFINITY, |b| b.miss);
@@ -81,10 +92,7 @@ pub(crate) fn mesh_general(
             }
         }
     }
-    match (best, refusal) {
-        (Some(candidate), _) => Ok((candidate.mesh, closed.with_repairs(candidate.report))),
-        (None, why) => Err(why.unwrap_or(MeshError::Nothing)),
-    }
+    best.ok_or_else(|| refusal.unwrap_or(MeshError::Nothing))
 }
 
 /// The surfaces of an assembly with their gaps and holes closed, and what was done.

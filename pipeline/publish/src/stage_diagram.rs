@@ -12,7 +12,7 @@ const SOURCE: f64 = 13.0;
 
 /// The graph as a diagram; `said` may say something else than a stage's story.
 pub(crate) fn stage_diagram(graph: &StageGraph, text: &dyn Fn(&str) -> Option<String>) -> Diagram {
-    let direct = graph.direct();
+    let direct = graph.direct_inputs();
     let layout = lay_out(&direct, graph.recordings);
     let pitch = [BOX[0] + APART[0], BOX[1] + APART[1]];
     let size = [layout.columns as f64 * pitch[0] - APART[0] + 1.0, layout.height * pitch[1]];

@@ -81,7 +81,7 @@ impl Case {
 
     /// The mesh that it names.
     fn mesh(&self, py: Python<'_>) -> PyResult<Mesh> {
-        let (folder, case) = (self.folder(), self.case.clone());
+        let (folder, case) = (self.case_folder(), self.case.clone());
         run_watched(py, move |_| {
             let loaded = simulate::load(&case, &folder);
             loaded.map(Mesh::of).map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Mesh))
@@ -91,7 +91,7 @@ impl Case {
 
 impl Case {
     /// Where its files are named from.
-    pub(crate) fn folder(&self) -> PathBuf {
+    pub(crate) fn case_folder(&self) -> PathBuf {
         self.path.parent().map(PathBuf::from).unwrap_or_default()
     }
 }

@@ -17,7 +17,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    fn class(self) -> &'static str {
+    fn class_name(self) -> &'static str {
         match self {
             Self::Input => "InputError",
             Self::Mesh => "MeshError",
@@ -35,7 +35,7 @@ impl Kind {
 pub(crate) fn typed_exception(kind: Kind, parts: [&str; 3]) -> PyErr {
     let [what, why, act] = parts;
     let raised_error = Python::attach(|py| {
-        let class = py.import("softfish._errors")?.getattr(kind.class())?;
+        let class = py.import("softfish._errors")?.getattr(kind.class_name())?;
         class.call1((what, why, act)).map(PyErr::from_value)
     });
     raised_error.unwrap_or_else(|error| error)

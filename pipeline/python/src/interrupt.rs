@@ -49,7 +49,7 @@ impl Signals {
     }
 
     /// Ends the work with an exception of the caller's own, as one that a progress callback raised.
-    pub(crate) fn raise(&self, error: PyErr) {
+    pub(crate) fn end_with(&self, error: PyErr) {
         self.ended.store(true, Ordering::Relaxed);
         if let Ok(mut raised) = self.raised.lock() {
             raised.get_or_insert(error);
@@ -57,7 +57,7 @@ impl Signals {
     }
 
     /// The callback's exception, or else the outcome.
-    fn outcome<T>(&self, solved: PyResult<T>) -> PyResult<T> {
+    fn raised_or_solved<T>(&self, solved: PyResult<T>) -> PyResult<T> {
         let raised = self.raised.lock().ok().and_then(|mut raised| raised.take());
         raised.map_or(solved, Err)
     }
@@ -89,7 +89,7 @@ pub(crate) fn run_watched_by<T: Send + 'static>(
     let computed = move || {
         let outcome = run_guarded(|| in_this_process(|| compute(&asked)));
         // Nobody waits any more where the caller had its exception.
-        let _ = done.send(asked.outcome(outcome));
+        let _ = done.send(asked.raised_or_solved(outcome));
     };
     py.detach(move || {
         std::thread::Builder::new().stack_size(STACK).spawn(computed)?;

@@ -62,10 +62,10 @@ fn mesh_exception(diagnostic: &Diagnostic) -> PyErr {
 impl Mesh {
     pub(crate) fn of(loaded: Loaded) -> Self {
         let numbering = loaded.numbering.clone();
-        Self::with(Kinds::Tetrahedra(loaded), numbering)
+        Self::with_numbering(Kinds::Tetrahedra(loaded), numbering)
     }
 
-    fn with(kinds: Kinds, numbering: Vec<u32>) -> Self {
+    fn with_numbering(kinds: Kinds, numbering: Vec<u32>) -> Self {
         Self { kinds: Arc::new(kinds), numbering: Arc::new(numbering), sides: Arc::default() }
     }
 
@@ -74,7 +74,7 @@ impl Mesh {
         if is_hexahedral(&raw) {
             let mesh = raw.check_hexahedra(unit, half)?;
             let numbering = mesh.numbering.clone();
-            return Ok(Self::with(Kinds::Hexahedra(mesh), numbering));
+            return Ok(Self::with_numbering(Kinds::Hexahedra(mesh), numbering));
         }
         let ForeignMesh { solid, regions, surfaces, cavities, numbering, notes } = raw.check(unit, half)?;
         let tables = Default::default();
@@ -261,7 +261,7 @@ impl Mesh {
             Kinds::Tetrahedra(loaded) => Kinds::Tetrahedra(Loaded { notes, ..loaded.clone() }),
             Kinds::Hexahedra(mesh) => Kinds::Hexahedra(HexahedralMesh { notes, ..mesh.clone() }),
         };
-        Ok(Self { sides: self.sides.clone(), ..Self::with(kinds, numbering) })
+        Ok(Self { sides: self.sides.clone(), ..Self::with_numbering(kinds, numbering) })
     }
 
     /// Whether it is the half z ≥ 0 of a symmetric body.

@@ -18,7 +18,7 @@ type RegionState = (i64, Option<String>, usize, f64);
 /// The region of each element, the code and the nodes of each face of the skin, and the regions.
 type Parts = (Vec<u16>, Vec<u32>, Rows, Vec<RegionState>);
 
-fn damaged(cause: impl AsRef<str>) -> PyErr {
+fn damaged_copy(cause: impl AsRef<str>) -> PyErr {
     input_error("the copy of a mesh cannot be read", cause, "make the mesh again")
 }
 
@@ -42,19 +42,20 @@ impl Mesh {
     fn of_solid_state(nodes: Reals<'_>, elements: Rows, parts: Parts, half: bool) -> PyResult<Self> {
         let (numbers, codes, faces, named) = parts;
         if codes.len() != faces.len() {
-            return Err(damaged("its skin has other numbers of codes and faces"));
+            return Err(damaged_copy("its skin has other numbers of codes and faces"));
         }
         let face = |(code, nodes): (u32, Vec<u32>)| QuadraticFace::from_row(&nodes, Skin::from_code(code)?);
         let skin: Option<Vec<QuadraticFace>> = codes.into_iter().zip(faces).map(face).collect();
         let solid = QuadraticMesh {
             nodes: number_slice("nodes", &nodes)?.as_chunks::<3>().0.to_vec(),
-            elements: QuadraticElements::from_rows(&elements).ok_or_else(|| damaged("an element is no hexahedron"))?,
+            elements: QuadraticElements::from_rows(&elements)
+                .ok_or_else(|| damaged_copy("an element is no hexahedron"))?,
             regions: numbers,
-            skin: skin.ok_or_else(|| damaged("a face of its skin lies nowhere"))?,
+            skin: skin.ok_or_else(|| damaged_copy("a face of its skin lies nowhere"))?,
             half,
         };
         if let Some(cause) = solid.fault() {
-            return Err(damaged(cause));
+            return Err(damaged_copy(cause));
         }
         let region = |(tag, name, elements, volume)| Region { tag, name, elements, volume };
         let regions = named.into_iter().map(region).collect();

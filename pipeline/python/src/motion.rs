@@ -45,7 +45,7 @@ impl Settings {
         Budget { max_iterations: self.max_iterations, max_cutbacks: None, timeout: self.timeout }
     }
 
-    pub(crate) fn dynamic(&self) -> PyResult<DynamicSettings> {
+    pub(crate) fn dynamic_settings(&self) -> PyResult<DynamicSettings> {
         let scheme = match self.scheme.as_str() {
             "bdf2" => Scheme::Bdf2,
             "implicit_euler" => Scheme::ImplicitEuler,
@@ -83,7 +83,7 @@ impl States {
             return;
         }
         if let Err(refusal) = self.require_memory(state) {
-            signals.raise(refusal);
+            signals.end_with(refusal);
             return;
         }
         self.times.push(time);
@@ -92,7 +92,7 @@ impl States {
         // An exception of the callback ends the solve.
         if let Some(progress) = &self.progress {
             let done = (self.times.len(), self.planned);
-            Python::attach(|py| progress.call1(py, done).map(|_| ())).unwrap_or_else(|error| signals.raise(error));
+            Python::attach(|py| progress.call1(py, done).map(|_| ())).unwrap_or_else(|error| signals.end_with(error));
         }
     }
 
@@ -161,8 +161,8 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (initial, pressures, planned) = problem;
         let (settings, progress) = options;
-        let (inputs, dynamic) = (self.inputs(inputs)?, settings.dynamic()?);
-        let [_, nodes, _, chambers] = self.shared.counts();
+        let (inputs, dynamic) = (self.inputs(inputs)?, settings.dynamic_settings()?);
+        let [_, nodes, _, chambers] = self.shared.size_counts();
         let (initial, pressures) = (initial_state(&initial)?, number_vector("pressures", &pressures)?);
         check_length("pressures", pressures.len(), planned * chambers)?;
         memory::require_free(&format!("a motion of {planned} steps"), motion_bytes(planned, nodes, settings.memory))?;
@@ -198,8 +198,8 @@ impl Solver {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (initial, constant, [duration, tolerance, shortest, longest]) = problem;
         let (settings, progress) = options;
-        let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic()?, initial_state(&initial)?);
-        check_length("pressures", constant.len(), self.shared.counts()[3])?;
+        let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic_settings()?, initial_state(&initial)?);
+        check_length("pressures", constant.len(), self.shared.size_counts()[3])?;
         let shared = self.shared.clone();
         let pressures_at = move |time: f64| -> Vec<f64> {
             let case = shared.case.as_ref().map(|of| of.loads.pressures_at(time)).unwrap_or_default();
@@ -235,8 +235,8 @@ impl Solver {
         settings: Settings,
     ) -> PyResult<Trajectory> {
         let (initial, pressures, times) = problem;
-        let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic()?, initial_state(&initial)?);
-        let (pressures, chambers) = (number_vector("pressures", &pressures)?, self.shared.counts()[3]);
+        let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic_settings()?, initial_state(&initial)?);
+        let (pressures, chambers) = (number_vector("pressures", &pressures)?, self.shared.size_counts()[3]);
         let trajectory = self.run(py, inputs, move |solver, _| {
             let pressures_at = pressure_history(&times, chambers, &pressures);
             let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &pressures_at };
@@ -261,7 +261,7 @@ impl Solver {
             (number_vector("dloss_du", &by_displacement)?, number_vector("dloss_dv", &by_velocity)?);
         let scale = scale_of(by_u.iter().chain(&by_v));
         by_u.iter_mut().chain(&mut by_v).for_each(|entry| *entry /= scale);
-        let full = 3 * self.shared.counts()[1];
+        let full = 3 * self.shared.size_counts()[1];
         let recorded = trajectory.recorded.clone();
         let gradient = self.run(py, inputs, move |solver, _| {
             check_length("dloss_du", by_u.len(), full * recorded.steps())?;
@@ -293,7 +293,7 @@ impl Solver {
                 parts.iter().enumerate().filter(|(_, part)| **part != 0.0).map(|(at, part)| (parameter(at), *part)),
             );
         }
-        let full = 3 * self.shared.counts()[1];
+        let full = 3 * self.shared.size_counts()[1];
         let recorded = trajectory.recorded.clone();
         let changed = self.run(py, inputs, move |solver, _| {
             let mut sums_of_steps = vec![0.0; full * recorded.steps()];

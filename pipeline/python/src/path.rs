@@ -86,7 +86,7 @@ impl Solver {
             let watch = budget.watch(Some(signals.interrupt()));
             let followed = FollowedPath { statics, loads, heavy: inputs.is_heavy(), watch: watch.clone() };
             let mut followed_points = Found::default();
-            let solver = || shared.another(&inputs);
+            let solver = || shared.further_solver(&inputs);
             let outcome =
                 followed.follow(&shared.system, &solver, &mut |event, dofs| followed_points.observe(&event, dofs));
             match (outcome, watch.exceeded()) {

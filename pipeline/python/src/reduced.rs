@@ -63,7 +63,7 @@ struct Given {
 
 impl Given {
     fn of((settings, pressures, modulus_scale): (Settings, Vec<f64>, Vec<f64>)) -> PyResult<Self> {
-        Ok(Self { settings: settings.dynamic()?, pressures, modulus_scale })
+        Ok(Self { settings: settings.dynamic_settings()?, pressures, modulus_scale })
     }
 
     fn step(&self) -> ReducedStep<'_> {
@@ -106,7 +106,7 @@ impl Solver {
     ) -> PyResult<ReducedModel> {
         let displacements = number_vector("snapshots", &snapshots)?;
         let settings = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
-        let (shared, full) = (self.shared.clone(), 3 * self.shared.counts()[1]);
+        let (shared, full) = (self.shared.clone(), 3 * self.shared.size_counts()[1]);
         memory::require_free("the reduction", training_bytes(&shared, displacements.len() / full, coordinates))?;
         run_watched(py, move |_| {
             // length: Python hands over whole snapshots
@@ -153,7 +153,7 @@ impl Solver {
         points: Vec<(Vec<u32>, Vec<f64>)>,
         size: f64,
     ) -> PyResult<ReducedModel> {
-        let rows = 3 * self.shared.counts()[1];
+        let rows = 3 * self.shared.size_counts()[1];
         let modes = number_slice("modes", &modes)?.chunks_exact(rows).map(<[f64]>::to_vec).collect();
         let points = points.into_iter().map(|(numbers, weights)| numbers.into_iter().zip(weights).collect()).collect();
         let data = ReducedModelData { modes, points, size };

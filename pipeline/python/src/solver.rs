@@ -103,7 +103,7 @@ impl Shared {
     ///
     /// # Errors
     /// `BusyError`
-    fn lock(&self) -> PyResult<MutexGuard<'_, Held>> {
+    fn lock_solver(&self) -> PyResult<MutexGuard<'_, Held>> {
         match self.held.try_lock() {
             Ok(held) => Ok(held),
             Err(TryLockError::Poisoned(broken)) => Ok(broken.into_inner()),
@@ -125,7 +125,7 @@ impl Shared {
         solve: impl FnOnce(&mut Held, &Signals) -> PyResult<T> + Send,
     ) -> PyResult<T> {
         let run = || {
-            let mut held = self.lock()?;
+            let mut held = self.lock_solver()?;
             self.abandoned.store(false, Ordering::Relaxed);
             held.solver.set_interrupt(Some(signals.interrupt()));
             let solved = solve(&mut held, signals);
@@ -139,7 +139,7 @@ impl Shared {
     }
 
     /// Numbers of degrees of freedom, nodes, elements and chambers.
-    pub(crate) fn counts(&self) -> [usize; 4] {
+    pub(crate) fn size_counts(&self) -> [usize; 4] {
         let mesh = self.system.mesh();
         [self.system.dofs(), mesh.nodes.len(), mesh.elements.len(), mesh.chambers.len()]
     }
@@ -148,9 +148,9 @@ impl Shared {
     ///
     /// # Errors
     /// A diagnostic where an input is refused.
-    pub(crate) fn another(&self, inputs: &Inputs) -> diagnostics::Result<fem::Solver> {
+    pub(crate) fn further_solver(&self, inputs: &Inputs) -> diagnostics::Result<fem::Solver> {
         let mut solver = self.system.solver();
-        for (number, ambient) in self.case.iter().flat_map(OfCase::sealed) {
+        for (number, ambient) in self.case.iter().flat_map(OfCase::sealed_chambers) {
             solver.set_sealed(number, Some(ambient))?;
         }
         inputs.set(None, &mut solver)?;
@@ -159,7 +159,7 @@ impl Shared {
 }
 
 impl OfCase {
-    fn sealed(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+    fn sealed_chambers(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let named = self.case.chamber.iter().zip(&self.numbers);
         named.filter_map(|(chamber, &number)| Some((number, chamber.sealed_in?)))
     }
@@ -217,7 +217,7 @@ impl Solver {
     /// Of a case, on its own mesh or on a given one.
     #[staticmethod]
     fn of_case(py: Python<'_>, case: &Case, mesh: &Mesh, threads: Option<usize>) -> PyResult<Self> {
-        let (folder, case, kinds) = (case.folder(), case.case.clone(), mesh.kinds.clone());
+        let (folder, case, kinds) = (case.case_folder(), case.case.clone(), mesh.kinds.clone());
         run_watched(py, move |_| match &*kinds {
             Kinds::Tetrahedra(loaded) => {
                 // A mesh that was given has no tables: they are the case's.
@@ -263,7 +263,7 @@ impl Solver {
 
     /// Numbers of degrees of freedom, nodes, elements and chambers.
     fn sizes(&self) -> [usize; 4] {
-        self.shared.counts()
+        self.shared.size_counts()
     }
 
     /// Whether each component of the displacement is free, 3 per node.
@@ -330,7 +330,7 @@ impl Solver {
 
     /// The case's pressures at each of `times` (s), or at the level of a static case: one per chamber of the mesh, Pa.
     fn case_pressures<'py>(&self, py: Python<'py>, times: Vec<f64>, level: Option<f64>) -> Bound<'py, PyArray1<f64>> {
-        let none = vec![0.0; self.shared.counts()[3]];
+        let none = vec![0.0; self.shared.size_counts()[3]];
         let case = self.shared.case.as_ref();
         let pressures = match level {
             Some(level) => case.map_or(none, |of| of.loads.pressures_at_level(level)),

@@ -32,7 +32,7 @@ impl Settings {
         Budget { max_iterations: self.max_iterations, max_cutbacks: self.max_cutbacks, timeout: self.timeout }
     }
 
-    fn statics(&self) -> StaticSettings {
+    fn static_settings(&self) -> StaticSettings {
         let Self { tolerance, load_steps, reuse_factor, .. } = *self;
         self.budget().limiting(StaticSettings { tolerance, load_steps, reuse_factor, ..StaticSettings::default() })
     }
@@ -143,7 +143,7 @@ impl Solver {
         let equilibria = self.run_held(py, move |held, signals| {
             let watch = settings.budget().watch(Some(signals.interrupt()));
             held.solver.set_interrupt(Some(watch.interrupt()));
-            let mut levels = Levels::new(settings.statics(), watch).near(guess);
+            let mut levels = Levels::new(settings.static_settings(), watch).near(guess);
             let mut equilibria = Vec::new();
             for (level, loads) in before.into_iter().zip(std::iter::repeat(shared.case.as_ref())) {
                 let Some(OfCase { loads, .. }) = loads else { continue };

@@ -13,7 +13,7 @@ use diagnostics::Diagnostic;
 /// Corners, 3 numbers each, m, and three corner numbers a face.
 type Triangles<'py> = (Reals<'py>, Vec<i64>);
 
-fn surface((points, faces): &Triangles<'_>) -> PyResult<Surface> {
+fn closed_surface((points, faces): &Triangles<'_>) -> PyResult<Surface> {
     // length: Python hands over points × 3 and faces × 3
     let points: Vec<[f64; 3]> = number_slice("points", points)?.as_chunks().0.to_vec();
     let faces: Vec<[u32; 3]> = node_numbers(faces)?.as_chunks().0.to_vec();
@@ -37,9 +37,9 @@ pub(crate) fn mesh_surfaces<'py>(
         "general" => Method::General,
         _ => Method::Auto,
     };
-    let body = surface(&parts.0)?;
-    let inserts = parts.1.iter().map(surface).collect::<PyResult<Vec<_>>>()?;
-    let cavities = parts.2.iter().map(surface).collect::<PyResult<Vec<_>>>()?;
+    let body = closed_surface(&parts.0)?;
+    let inserts = parts.1.iter().map(closed_surface).collect::<PyResult<Vec<_>>>()?;
+    let cavities = parts.2.iter().map(closed_surface).collect::<PyResult<Vec<_>>>()?;
     let chosen = run_watched(py, move |_| {
         let assembly = Assembly { body: &body, inserts: inserts.iter().collect(), cavities: cavities.iter().collect() };
         let settings = Settings { method, use_symmetry: false, ..Settings::new(edge) };

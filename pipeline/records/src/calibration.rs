@@ -28,7 +28,7 @@ pub struct Coverage {
 impl Coverage {
     /// The share inside the intervals of half width `half` deviations, and its bounds as if the estimates of one specimen were one:
     /// they share their recordings.
-    pub fn share(&self, half: f64, specimens: usize) -> (f64, [f64; 2]) {
+    pub fn covered_share(&self, half: f64, specimens: usize) -> (f64, [f64; 2]) {
         let share = count_inside(&self.errors, half) as f64 / self.errors.len().max(1) as f64;
         (share, share_bounds(share, specimens))
     }
@@ -72,7 +72,7 @@ impl Record for Calibration {
             let dot = if kind.name.is_empty() { "" } else { "." };
             HALF_WIDTHS.map(|(stated, half)| {
                 let id = format!("calibration.{}{dot}coverage_{:.0}_percent", kind.name, 100.0 * stated);
-                Metric::new(id, 100.0 * kind.share(half, self.specimens).0, "%")
+                Metric::new(id, 100.0 * kind.covered_share(half, self.specimens).0, "%")
             })
         };
         std::iter::once(self.all()).chain(self.kinds.clone()).flat_map(|kind| coverage_metrics(&kind)).collect()
@@ -80,7 +80,7 @@ impl Record for Calibration {
 
     fn summary(&self) -> String {
         let pooled = self.all();
-        let share = |k: usize| 100.0 * pooled.share(HALF_WIDTHS[k].1, self.specimens).0;
+        let share = |k: usize| 100.0 * pooled.covered_share(HALF_WIDTHS[k].1, self.specimens).0;
         let (specimens, kinds) = (self.specimens, QuantityKind::ALL.len());
         format!(
             "{specimens} specimens, {kinds} kinds: {:.0} % of the true values in their 95 % intervals, {:.0} % in those of 68 %",

@@ -33,7 +33,7 @@ pub struct Camera {
 impl Camera {
     /// The corners of its image on the plane of a height in air, m, from the upper left one around; empty where a corner's ray
     /// does not meet that plane.
-    pub fn field(&self, height: Metre) -> Vec<Point2> {
+    pub fn visible_field(&self, height: Metre) -> Vec<Point2> {
         let sight = RefractiveCamera { lens: self.lens, pose: self.pose, water: None };
         let [w, h] = self.size_px.map(|v| v as f64);
         let corners = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|px| sight.intersect(px, height));

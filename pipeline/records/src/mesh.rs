@@ -72,12 +72,12 @@ impl Mesh {
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when a material is unknown or the simulator refuses the mesh.
     pub fn model(&self, body: &Body) -> diagnostics::Result<Model> {
-        let attached = Attached { chambers: &self.skins(), clamped: &self.clamped };
+        let attached = Attached { chambers: &self.skin_codes(), clamped: &self.clamped };
         Model::new(&Solid::Quadratic(self.solid.clone()), attached, self.markers.clone(), body)
     }
 
     /// The skin index of each chamber, in the order of the card.
-    pub fn skins(&self) -> Vec<u16> {
+    pub fn skin_codes(&self) -> Vec<u16> {
         self.chambers.iter().map(|c| c.skin).collect()
     }
 }

@@ -57,7 +57,7 @@ impl Cells {
     }
 
     /// Their size in words.
-    pub fn size(&self) -> String {
+    pub fn size_text(&self) -> String {
         match self {
             Self::Tetrahedra { edge, .. } => format!("{:.1} mm", edge / MILLIMETRE),
             Self::Hexahedra { finer } => format!("graded, 1/{finer}"),
@@ -110,7 +110,7 @@ impl Record for MeshSensitivity {
 
     fn summary(&self) -> String {
         let text = |r: &MeshResult| {
-            let (size, nodes) = (r.cells.size(), r.cells.nodes());
+            let (size, nodes) = (r.cells.size_text(), r.cells.nodes());
             format!("{size}, {nodes} nodes: {:.3} MPa, {:.2} GPa", 1e-6 * r.at[0], 1e-9 * r.at[1])
         };
         self.rows.iter().map(text).collect::<Vec<_>>().join("; ")

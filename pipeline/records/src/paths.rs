@@ -20,7 +20,7 @@ pub struct Path {
 
 impl Path {
     /// Of a track of another program.
-    pub fn imported(track: &ImportedTrack) -> Self {
+    pub fn from_import(track: &ImportedTrack) -> Self {
         let (positions, spread) = track.places_with_covariances();
         Self { name: track.name.clone(), at: positions, spread }
     }

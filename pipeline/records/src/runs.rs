@@ -1,5 +1,7 @@
 //! Runs: flapping trials stacked in one table, so that other stages can train on them without preparing them again.
 
+use std::ops::Range;
+
 use lab::card::Split;
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Pascal, Point2};
@@ -91,48 +93,82 @@ pub(super) fn read_runs(heads: &[Head], table: &Columns) -> Result<Vec<Run>, Rec
     if heads.iter().any(|head| (head.markers, head.chambers) != (markers, chambers)) {
         return Err(super::inconsistent_file("thrust.json", "its runs differ in markers or chambers"));
     }
-    let several = |names: Vec<String>| names.iter().map(|n| column(n)).collect::<Result<Vec<_>, _>>();
-    let of_marks = |prefix: &str, unit: &str| {
-        several((0..markers).flat_map(|m| ["x", "y"].map(|a| format!("{prefix}{a}{m}_{unit}"))).collect())
-    };
-    let of_chambers =
-        |prefix: &str, unit: &str| several((0..chambers).map(|c| format!("{prefix}{c}_{unit}")).collect());
-    let (time, force) = (column("time_s")?, column("force_n")?);
-    let (displacement, speed) = (of_marks("", "m")?, of_marks("v", "m_s")?);
-    let (pressure, pressure_rate) = (of_chambers("p", "pa")?, of_chambers("vp", "pa_s")?);
-    let parts = COLUMNS.iter().map(|(name, _)| column(name)).collect::<Result<Vec<_>, _>>()?;
-    // length: a column along x and one along y were read of each marker
-    let points = |columns: &[Vec<f64>], i: usize| {
-        columns.chunks_exact(2).map(|xy| [xy[0][i], xy[1][i]]).collect::<Vec<Point2>>()
-    };
-    let numbers = |columns: &[Vec<f64>], i: usize| columns.iter().map(|c| c[i]).collect::<Vec<f64>>();
-    let part = |i: usize| TheoryTerms {
-        trailing_edge: parts[0][i],
-        edge_flux: parts[1][i],
-        momentum_rate: parts[2][i],
-        drag: parts[3][i],
-        tip_acceleration: parts[4][i],
-    };
+    let columns = RunColumns::of_table(&column, (markers, chambers))?;
     let mut start = 0;
     let run = |head: &Head| {
         let rows = start..start + head.samples;
         start = rows.end;
+        columns.run_of(head, rows)
+    };
+    Ok(heads.iter().map(run).collect())
+}
+
+/// The columns of stacked runs, by what they hold.
+struct RunColumns {
+    time: Vec<f64>,
+    force: Vec<f64>,
+    displacement: Vec<Vec<f64>>,
+    speed: Vec<Vec<f64>>,
+    pressure: Vec<Vec<f64>>,
+    pressure_rate: Vec<Vec<f64>>,
+    terms: Vec<Vec<f64>>,
+}
+
+impl RunColumns {
+    /// Those of so many markers and chambers, each read by `column`.
+    fn of_table(
+        column: &dyn Fn(&str) -> Result<Vec<f64>, RecordError>,
+        (markers, chambers): (usize, usize),
+    ) -> Result<Self, RecordError> {
+        let several = |names: Vec<String>| names.iter().map(|n| column(n)).collect::<Result<Vec<_>, _>>();
+        let of_marks = |prefix: &str, unit: &str| {
+            several((0..markers).flat_map(|m| ["x", "y"].map(|a| format!("{prefix}{a}{m}_{unit}"))).collect())
+        };
+        let of_chambers =
+            |prefix: &str, unit: &str| several((0..chambers).map(|c| format!("{prefix}{c}_{unit}")).collect());
+        Ok(Self {
+            time: column("time_s")?,
+            force: column("force_n")?,
+            displacement: of_marks("", "m")?,
+            speed: of_marks("v", "m_s")?,
+            pressure: of_chambers("p", "pa")?,
+            pressure_rate: of_chambers("vp", "pa_s")?,
+            terms: COLUMNS.iter().map(|(name, _)| column(name)).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The run in some of the rows.
+    fn run_of(&self, head: &Head, rows: Range<usize>) -> Run {
+        // length: a column along x and one along y were read of each marker
+        let points = |columns: &[Vec<f64>], i: usize| {
+            columns.chunks_exact(2).map(|xy| [xy[0][i], xy[1][i]]).collect::<Vec<Point2>>()
+        };
+        let numbers = |columns: &[Vec<f64>], i: usize| columns.iter().map(|c| c[i]).collect::<Vec<f64>>();
         Run {
             id: head.id.clone(),
             amplitude: head.amplitude_pa,
             frequency: head.frequency_hz,
             split: head.split_of_head(),
             rate: head.rate_hz,
-            time: time[rows.clone()].to_vec(),
-            force: force[rows.clone()].to_vec(),
-            moved: rows.clone().map(|i| points(&displacement, i)).collect(),
-            speed: rows.clone().map(|i| points(&speed, i)).collect(),
-            pressure: rows.clone().map(|i| numbers(&pressure, i)).collect(),
-            pressure_rate: rows.clone().map(|i| numbers(&pressure_rate, i)).collect(),
-            terms: rows.map(part).collect(),
+            time: self.time[rows.clone()].to_vec(),
+            force: self.force[rows.clone()].to_vec(),
+            moved: rows.clone().map(|i| points(&self.displacement, i)).collect(),
+            speed: rows.clone().map(|i| points(&self.speed, i)).collect(),
+            pressure: rows.clone().map(|i| numbers(&self.pressure, i)).collect(),
+            pressure_rate: rows.clone().map(|i| numbers(&self.pressure_rate, i)).collect(),
+            terms: rows.map(|i| self.terms_of(i)).collect(),
         }
-    };
-    Ok(heads.iter().map(run).collect())
+    }
+
+    fn terms_of(&self, row: usize) -> TheoryTerms {
+        TheoryTerms {
+            trailing_edge: self.terms[0][row],
+            edge_flux: self.terms[1][row],
+            momentum_rate: self.terms[2][row],
+            drag: self.terms[3][row],
+            tip_acceleration: self.terms[4][row],
+        }
+    }
 }
 
 #[cfg(test)]

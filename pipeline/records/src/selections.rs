@@ -93,10 +93,10 @@ pub struct Repeats<R: Record>(pub Vec<R>);
 
 impl<R: Record<Of = Trial>> Needs<Trial> for Repeats<R> {
     fn ids(trial: &Trial) -> Vec<RecordId> {
-        ids_of::<R>(&trial.repeats())
+        ids_of::<R>(&trial.repeat_trials())
     }
 
     fn read(trial: &Trial, reader: &dyn RecordReader) -> Result<Self> {
-        trial.repeats().iter().map(|repeat| read_one(repeat, reader)).collect::<Result<_>>().map(Self)
+        trial.repeat_trials().iter().map(|repeat| read_one(repeat, reader)).collect::<Result<_>>().map(Self)
     }
 }

@@ -69,7 +69,7 @@ impl Trial {
     }
 
     /// The trials of the same experiment in the same medium with the same role, this one among them, in the order of the card.
-    pub fn repeats(&self) -> Vec<Trial> {
+    pub(crate) fn repeat_trials(&self) -> Vec<Trial> {
         let subject = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
         self.on_card().map(subject).collect()
     }

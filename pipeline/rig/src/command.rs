@@ -171,25 +171,36 @@ pub fn run() -> ExitCode {
                 }),
                 Some(count) => known_profile(&profile, &set).map(|()| drawn_recordings(&request, count, seed)),
             };
-            let folder = destination.workflow_folder(&profile);
-            let written = |all: Vec<Recording>| export::write_snakemake(&destination.root, &folder, &request, &all);
-            match recordings.and_then(written) {
-                Ok(Workflow { folder, kept }) => {
-                    kept.iter()
-                        .for_each(|path| output::note(format_args!("kept as it was edited: {}", path.display())));
-                    output::line(folder.display());
-                    ExitCode::SUCCESS
-                }
-                Err(error) => report_failure(&error, FAILURE),
-            }
+            recordings.map_or_else(
+                |error| report_failure(&error, FAILURE),
+                |recordings| export_workflow(&destination, &request, &recordings),
+            )
         }
         Task::Check { root, profile, write } => {
-            match check_bench(&set, &raw_folder(&root, &profile), write.then_some(root)) {
-                Ok(()) if output::failed() => ExitCode::from(FAILURE),
-                Ok(()) => ExitCode::SUCCESS,
-                Err(error) => report_failure(&error, FAILURE),
-            }
+            report_check(check_bench(&set, &raw_folder(&root, &profile), write.then_some(root)))
         }
+    }
+}
+
+/// Writes the workflow that makes the recordings, and prints where it lies.
+fn export_workflow(destination: &Destination, request: &Request, recordings: &[Recording]) -> ExitCode {
+    let folder = destination.workflow_folder(request.profile);
+    match export::write_snakemake(&destination.root, &folder, request, recordings) {
+        Ok(Workflow { folder, kept }) => {
+            kept.iter().for_each(|path| output::note(format_args!("kept as it was edited: {}", path.display())));
+            output::line(folder.display());
+            ExitCode::SUCCESS
+        }
+        Err(error) => report_failure(&error, FAILURE),
+    }
+}
+
+/// The exit code of a comparison, which fails where a line of it could not be printed.
+fn report_check(checked: Result<()>) -> ExitCode {
+    match checked {
+        Ok(()) if output::failed() => ExitCode::from(FAILURE),
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => report_failure(&error, FAILURE),
     }
 }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use diagnostics::Result;
 use lab::card::{Experiment, Fixture, FixtureOf, Medium};
 use lab::truth::{TrueCell, TrueForce, TrueForces};
-use si::{Hertz, Second};
+use si::{Hertz, Newton, Second};
 
 use crate::bench::{Bench, TrialRun};
 use crate::folder;
@@ -81,18 +81,24 @@ pub(crate) fn record_trial(bench: &Bench, run: &TrialRun, folder: &Path) -> Resu
     let (mut log, truth) = cell::record_run(&set.cell, &cell_run, &mut random);
     log.led = cell::lamp_channel(&set.cell, clock, &log.time, script);
     folder::write_file(folder, file, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
+    let forces = sample_forces(run, &static_force, &waves);
+    let parts = format!("truth/{}_forces.csv", trial.id);
+    folder::write_file(folder, &parts, lab::truth::write_forces(&forces, lab::VIRTUAL_BENCH).as_bytes())?;
+    Ok(Some(TrueForce { forces: Some(parts), ..truth }))
+}
+
+/// The true forces of a trial, evenly sampled.
+fn sample_forces(run: &TrialRun, static_force: &dyn Fn(Second) -> Newton, waves: &DrivenWaves) -> TrueForces {
     let mut forces = TrueForces::default();
-    for i in 0..(script.length * TRUE_RATE) as usize {
+    for i in 0..(run.pneumatics.script.length * TRUE_RATE) as usize {
         let t = i as f64 / TRUE_RATE;
         forces.time.push(t);
-        forces.pull.push(pull(t));
+        forces.pull.push(run.motion.pull(t));
         forces.thrust.push(run.motion.thrust(t));
         forces.lift.push(static_force(t));
         forces.wave.push(waves.force_at(t));
     }
-    let parts = format!("truth/{}_forces.csv", trial.id);
-    folder::write_file(folder, &parts, lab::truth::write_forces(&forces, lab::VIRTUAL_BENCH).as_bytes())?;
-    Ok(Some(TrueForce { forces: Some(parts), ..truth }))
+    forces
 }
 
 /// Writes the logs of a recording of the fixture alone, and returns its ground truth.

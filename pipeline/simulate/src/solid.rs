@@ -133,6 +133,13 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let refusals = refusals.into_iter().filter_map(|(instead, why)| Some((instead, why?)));
     notes.extend(refusals.map(|(instead, why)| format!("{instead}: {}", Diagnostic::from(why).what)));
     let solid = Solid::Quadratic(chosen.solid);
+    let regions = named_regions(&solid, spine.is_some());
+    let (surfaces, cavities, numbering) = Default::default();
+    Ok(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables: BTreeMap::new() })
+}
+
+/// The body, and the spine if there is one.
+fn named_regions(solid: &Solid, has_spine: bool) -> Vec<Region> {
     let linear = solid.clone().to_linear();
     let region = |(tag, name): (u16, &str)| Region {
         tag: tag.into(),
@@ -141,9 +148,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
         volume: linear.region_volume(tag),
     };
     let parts = [(mesh::BODY, "body"), (mesh::SPINE, "spine")];
-    let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
-    let (surfaces, cavities, numbering) = Default::default();
-    Ok(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables: BTreeMap::new() })
+    parts.into_iter().take(1 + usize::from(has_spine)).map(region).collect()
 }
 
 fn mesh_bytes(path: &Path) -> Result<Vec<u8>> {

@@ -26,7 +26,7 @@ fn element_stress(solid: &Solid, element: usize, displacement: &[f64], propertie
     let region = &properties[usize::from(solid.regions()[element])];
     let moduli = region.moduli();
     let F = deformation_gradient(solid, element, displacement);
-    let (energy_density, P) = region.material.stress(&F, moduli);
+    let (energy_density, P) = region.material.energy_and_stress(&F, moduli);
     let sigma = P * F.transpose() / F.determinant();
     let deviator = sigma - Matrix3::identity() * (sigma.trace() / 3.0);
     Stress { von_mises: (1.5 * deviator.norm_squared()).sqrt(), energy_density }

@@ -108,10 +108,10 @@ impl IndefiniteFactor {
     /// ‖Kx − b‖ over ‖diag(K) x‖ for b = K 1.
     fn relative_residual(&mut self, matrix: &LowerTriangle) -> f64 {
         let n = matrix.columns.len() - 1;
-        let b = matrix.multiplied(&vec![1.0; n]);
+        let b = matrix.multiply_vector(&vec![1.0; n]);
         let mut x = b.clone();
         self.solve(&mut x);
-        let back = matrix.multiplied(&x);
+        let back = matrix.multiply_vector(&x);
         let terms: f64 =
             (0..n).map(|column| (matrix.values[matrix.columns[column] as usize] * x[column]).powi(2)).sum();
         (back.iter().zip(&b).map(|(left, right)| (left - right).powi(2)).sum::<f64>() / terms).sqrt()
@@ -176,7 +176,7 @@ mod tests {
             assert_eq!(factor.negative_eigenvalues(), eigenvalues.iter().filter(|value| **value < 0.0).count());
             counts.push(factor.negative_eigenvalues());
             let exact: Vec<f64> = (0..pattern.dofs()).map(|dof| (dof as f64).cos()).collect();
-            let mut x = matrix.multiplied(&exact);
+            let mut x = matrix.multiply_vector(&exact);
             factor.solve(&mut x);
             assert!(x.iter().zip(&exact).all(|(x, exact)| (x - exact).abs() < 1e-10));
         }

@@ -85,7 +85,7 @@ impl Dissection<'_> {
 
     fn touches_other(&self, node: u32) -> bool {
         let opposite = BEFORE + BEHIND - self.side[node as usize];
-        self.graph.of(node).iter().any(|&next| self.side[next as usize] == opposite)
+        self.graph.neighbours_of(node).iter().any(|&next| self.side[next as usize] == opposite)
     }
 }
 
@@ -119,7 +119,7 @@ fn elimination_tree(graph: &NodeGraph, order: &[u32]) -> Vec<Option<usize>> {
     let mut parent = vec![None; order.len()];
     let mut ancestor: Vec<Option<usize>> = vec![None; order.len()];
     for (column, &node) in order.iter().enumerate() {
-        for &next in graph.of(node) {
+        for &next in graph.neighbours_of(node) {
             let mut below = rank[next as usize];
             while below < column {
                 match ancestor[below].replace(column) {
@@ -150,7 +150,7 @@ mod tests {
         let mut total = 0;
         for (column, &node) in order.iter().enumerate() {
             let mut rows = std::mem::take(&mut columns[column]);
-            rows.extend(graph.of(node).iter().map(|&next| rank[next as usize]));
+            rows.extend(graph.neighbours_of(node).iter().map(|&next| rank[next as usize]));
             rows.retain(|&row| row > column && row != usize::MAX);
             rows.sort_unstable();
             rows.dedup();

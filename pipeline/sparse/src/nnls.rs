@@ -29,7 +29,7 @@ impl NnlsColumns {
     }
 
     /// All columns, in parallel.
-    pub fn each(&mut self) -> impl IndexedParallelIterator<Item = &mut [f32]> {
+    pub fn columns_mut(&mut self) -> impl IndexedParallelIterator<Item = &mut [f32]> {
         self.values.par_chunks_exact_mut(self.rows)
     }
 
@@ -63,7 +63,7 @@ fn inner_product(a: &[f32], b: &[f32]) -> f32 {
 /// Columns (by number) and weights > 0 whose sum is within `tolerance` of the `target` (one entry a row), relative.
 pub fn nnls(columns: &mut NnlsColumns, target: &[f64], tolerance: f64) -> Vec<(usize, f64)> {
     let target = DVector::from_column_slice(target);
-    let lengths: Vec<f32> = columns.each().map(|c| inner_product(c, c).sqrt().max(f32::MIN_POSITIVE)).collect();
+    let lengths: Vec<f32> = columns.columns_mut().map(|c| inner_product(c, c).sqrt().max(f32::MIN_POSITIVE)).collect();
     let mut taken = vec![false; lengths.len()];
     let mut set = ActiveSet::new(&target);
     let enough = tolerance * target.norm();

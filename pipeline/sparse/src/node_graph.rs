@@ -37,7 +37,7 @@ impl NodeGraph {
         }
         let mut graph = Self { start: vec![0], neighbours: Vec::new() };
         for node in 0..self.len() as u32 {
-            let mut adjacent = self.of(node).to_vec();
+            let mut adjacent = self.neighbours_of(node).to_vec();
             adjacent.extend(added.get(&node).into_iter().flatten());
             adjacent.sort_unstable();
             adjacent.dedup();
@@ -58,7 +58,7 @@ impl NodeGraph {
     }
 
     /// The nodes that share an element with `node`.
-    pub fn of(&self, node: u32) -> &[u32] {
+    pub fn neighbours_of(&self, node: u32) -> &[u32] {
         &self.neighbours[self.start[node as usize]..self.start[node as usize + 1]]
     }
 }
@@ -90,7 +90,7 @@ mod tests {
         let graph = NodeGraph::new(5, &[0, 1, 2, 2, 3, 1], 3);
         assert_eq!((graph.len(), graph.is_empty()), (5, false));
         assert_eq!(
-            [0, 1, 2, 3, 4].map(|node| graph.of(node).to_vec()),
+            [0, 1, 2, 3, 4].map(|node| graph.neighbours_of(node).to_vec()),
             [vec![1, 2], vec![0, 2, 3], vec![0, 1, 3], vec![1, 2], vec![]]
         );
         assert!(NodeGraph::new(0, &[], 3).is_empty());
@@ -101,7 +101,7 @@ mod tests {
         let graph = NodeGraph::new(5, &[0, 1, 2, 2, 3, 1], 3);
         let graph = graph.with_edges(&[(0, 4), (1, 2), (3, 3), (0, 3)].into());
         assert_eq!(
-            [0, 1, 2, 3, 4].map(|node| graph.of(node).to_vec()),
+            [0, 1, 2, 3, 4].map(|node| graph.neighbours_of(node).to_vec()),
             [vec![1, 2, 3, 4], vec![0, 2, 3], vec![0, 1, 3], vec![0, 1, 2], vec![0]]
         );
     }

@@ -26,7 +26,7 @@ pub struct LowerTriangle<'a> {
 
 impl LowerTriangle<'_> {
     /// K x, in elimination order.
-    pub(crate) fn multiplied(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn multiply_vector(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         multiply_symmetric(self, x, &mut y);
         y
@@ -96,7 +96,7 @@ impl Pattern {
     /// Appends the columns of one node: the node itself first, then its neighbours that are eliminated later.
     fn add_columns(&mut self, node: u32, graph: &NodeGraph, order: &[u32]) {
         let node_rank = self.rank[node as usize];
-        let mut later: Vec<u32> = graph.of(node).iter().map(|&next| self.rank[next as usize]).collect();
+        let mut later: Vec<u32> = graph.neighbours_of(node).iter().map(|&next| self.rank[next as usize]).collect();
         later.retain(|&rank| rank != CONSTRAINED && rank > node_rank);
         later.push(node_rank);
         later.sort_unstable();

@@ -26,7 +26,7 @@ impl RankOneUpdates {
     }
 
     /// Prepares solves with the inverse of K that `solve` applies; false when the sum is singular.
-    pub fn prepare(&mut self, mut solve: impl FnMut(&mut [f64])) -> bool {
+    pub fn prepare_solves(&mut self, mut solve: impl FnMut(&mut [f64])) -> bool {
         self.solved = self.terms.iter().map(|(_, v)| v.clone()).collect();
         self.solved.iter_mut().for_each(|v| solve(v));
         let count = self.terms.len();
@@ -41,7 +41,7 @@ impl RankOneUpdates {
     }
 
     /// From y = K⁻¹ x to (K + Σ c v vᵀ)⁻¹ x.
-    pub fn correct(&self, y: &mut [f64]) {
+    pub fn correct_solution(&self, y: &mut [f64]) {
         if self.solved.is_empty() {
             return;
         }
@@ -71,12 +71,12 @@ mod tests {
         let terms = vec![(1.5, vec![1.0, -1.0, 0.5, 2.0]), (0.2, vec![0.0, 4.0, 1.0, -3.0])];
         let solve = |x: &mut [f64]| x.iter_mut().zip(diagonal).for_each(|(x, d)| *x /= d);
         let mut updates = RankOneUpdates::new(terms);
-        assert!(updates.prepare(solve));
+        assert!(updates.prepare_solves(solve));
         let exact = [0.3, -1.0, 2.0, 0.7];
         let mut b: Vec<f64> = exact.iter().zip(diagonal).map(|(x, d)| d * x).collect();
         updates.multiply(&exact, &mut b);
         solve(&mut b);
-        updates.correct(&mut b);
+        updates.correct_solution(&mut b);
         assert!(b.iter().zip(exact).all(|(x, exact)| (x - exact).abs() < 1e-13), "{b:?}");
     }
 }

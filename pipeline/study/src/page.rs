@@ -60,9 +60,9 @@ fn inflated_bodies(runner: &Runner) -> Result<Vec<Body>> {
 
 /// A specimen's skin at rest and in every shape.
 fn inflated_body(name: &str, mesh: &Mesh, inflation: &Inflation) -> Body {
-    let fine = Surfaces::fine(&mesh.solid);
+    let fine = Surfaces::fine_triangles(&mesh.solid);
     let count = fine.values().map(Vec::len).sum::<usize>();
-    let faces = if count > MAX_FACES { Surfaces::coarse(&mesh.solid) } else { fine };
+    let faces = if count > MAX_FACES { Surfaces::coarse_triangles(&mesh.solid) } else { fine };
     let moved_nodes: BTreeSet<u32> = inflation.nodes.iter().copied().collect();
     let moves = |f: &&[u32; 3]| f.iter().all(|n| moved_nodes.contains(n));
     let faces: Vec<(Bounds, Vec<[u32; 3]>)> =

@@ -46,7 +46,7 @@ impl Actuation<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`] when the times do not rise.
-    pub fn sampled(&self, steps: &[Second], path: &[Point2]) -> Result<[Samples; 2]> {
+    pub fn sample_path(&self, steps: &[Second], path: &[Point2]) -> Result<[Samples; 2]> {
         let times: Vec<Second> = std::iter::once(&0.0).chain(steps).map(|t| self.begin + t).collect();
         let axis = |k: usize| {
             let values = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
@@ -70,14 +70,14 @@ impl MotionSimulation<'_> {
         let times = actuation.times(settings.step);
         let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), times: &times };
         let path = reduced_body.integrate(&motion, self.marker)?;
-        actuation.sampled(&times, &path)
+        actuation.sample_path(&times, &path)
     }
 
     /// The same by the full model.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
-    pub fn whole(&self, settings: &DynamicSettings, actuation: &Actuation) -> Result<[Samples; 2]> {
+    pub fn run_full_model(&self, settings: &DynamicSettings, actuation: &Actuation) -> Result<[Samples; 2]> {
         let mut solver = self.model.system.solver();
         self.silicone.apply(&mut solver)?;
         let initial = State::rest(self.model.system.mesh().nodes.len());
@@ -89,7 +89,7 @@ impl MotionSimulation<'_> {
             times.len(),
             &mut observe,
         )?;
-        actuation.sampled(&times, &path)
+        actuation.sample_path(&times, &path)
     }
 }
 
@@ -105,18 +105,18 @@ pub fn frame_interval(times: &[Second]) -> Second {
 }
 
 /// A path as a camera sees it at the times of its frames, whose shutter is open for `exposure` of the time between them.
-pub fn filmed([x, y]: &[Samples; 2], times: &[Second], exposure: f64) -> Vec<Point2> {
+pub fn exposed_path([x, y]: &[Samples; 2], times: &[Second], exposure: f64) -> Vec<Point2> {
     let width = exposure * frame_interval(times);
     times.iter().map(|&t| [x.mean_at(t, width), y.mean_at(t, width)]).collect()
 }
 
 /// A path at other times.
-pub fn onto([x, y]: &[Samples; 2], times: &[Second]) -> Vec<Point2> {
+pub fn resample_path([x, y]: &[Samples; 2], times: &[Second]) -> Vec<Point2> {
     times.iter().map(|&t| [x.at(t), y.at(t)]).collect()
 }
 
 /// Lag of the simulated lateral motion behind the measured one at a `frequency`, s.
-pub fn lag(time: &[Second], measured: &[Point2], simulated: &[Point2], frequency: si::Hertz) -> Second {
+pub fn lateral_lag(time: &[Second], measured: &[Point2], simulated: &[Point2], frequency: si::Hertz) -> Second {
     let turn = std::f64::consts::TAU * frequency;
     let phase = |path: &[Point2]| {
         let part =
@@ -147,7 +147,7 @@ mod tests {
         let times: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
         let squares = times.iter().map(|t| t * t).collect();
         let path = [Samples::new(times.clone(), times.clone()).unwrap(), Samples::new(times, squares).unwrap()];
-        let filmed = filmed(&path, &[0.3, 0.5, 0.7], 1.0);
+        let filmed = exposed_path(&path, &[0.3, 0.5, 0.7], 1.0);
         // the mean of t² over a width w about t is t² + w²/12
         assert!((filmed[1][0] - 0.5).abs() < 1e-9 && (filmed[1][1] - (0.25 + 0.04 / 12.0)).abs() < 1e-4, "{filmed:?}");
     }
@@ -159,6 +159,6 @@ mod tests {
             time.iter().map(|t| [0.0, (std::f64::consts::TAU * 2.0 * (t - late)).sin()]).collect()
         };
         // two seconds at 2 Hz are whole cycles: no spectral leakage
-        assert!((lag(&time, &path(0.0), &path(0.01), 2.0) - 0.01).abs() < 1e-9);
+        assert!((lateral_lag(&time, &path(0.0), &path(0.01), 2.0) - 0.01).abs() < 1e-9);
     }
 }

@@ -8,7 +8,7 @@ const SLICES: usize = 240;
 const NECK: f64 = 0.5;
 
 /// Cells of a chamber, by its number on the skin.
-pub fn cells(solid: &QuadraticMesh, chamber: u16) -> usize {
+pub fn count_cells(solid: &QuadraticMesh, chamber: u16) -> usize {
     count_swellings(&area_profile(solid, Skin::Chamber(chamber)))
 }
 

@@ -63,7 +63,7 @@ fn parameter_shift(
 ) -> Result<Vec<f64>> {
     let values: Vec<f64> = error.iter().flatten().flatten().copied().collect();
     let jacobian = vec![0.0; values.len() * parameters];
-    let mut error = misfit.white(&Residuals { values, jacobian }, parameters)?.values;
+    let mut error = misfit.whiten_residuals(&Residuals { values, jacobian }, parameters)?.values;
     // a prior of the parameters knows nothing of a mesh
     error.resize(white.values.len(), 0.0);
     white.parameter_response(&error, parameters).map_err(Diagnostic::from)
@@ -99,7 +99,7 @@ mod tests {
         // one parameter, ln E: displacements go as 1/E
         let values = vec![0.0; 16];
         let jacobian = misfit.levels.iter().flat_map(|l| l.measured.iter().flatten().map(|u| -u)).collect();
-        let white = misfit.white(&Residuals { values, jacobian }, 1).unwrap();
+        let white = misfit.whiten_residuals(&Residuals { values, jacobian }, 1).unwrap();
         let error: Vec<Vec<Point2>> =
             misfit.levels.iter().map(|l| l.measured.iter().map(|u| [0.0, -0.01 * u[1]]).collect()).collect();
         let found = parameter_shift(&misfit, (&white, 1), &error).unwrap();

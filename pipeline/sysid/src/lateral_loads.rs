@@ -21,7 +21,7 @@ pub(crate) enum Lateral {
 ///
 /// # Errors
 /// A [`Diagnostic`](diagnostics::Diagnostic) when the body at rest has no equilibrium.
-pub(crate) fn pull(model: &Model, elastic: &Elastic, load: Lateral) -> Result<Vec<f64>> {
+pub(crate) fn unit_lateral_load(model: &Model, elastic: &Elastic, load: Lateral) -> Result<Vec<f64>> {
     let system = &model.system;
     let far = system.mesh().nodes.iter().map(|n| n[0]).fold(f64::MIN, f64::max);
     let mut forces = vec![0.0; 3 * system.mesh().nodes.len()];

@@ -63,7 +63,7 @@ pub mod uncertainty;
 mod wall_offset;
 
 pub use body::{Body, Material};
-pub use cells::cells;
+pub use cells::count_cells;
 pub use certified::{Certificate, Certified, CertifiedSearch, SearchDurations};
 pub use discrepancy::Discrepancy;
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};

@@ -44,7 +44,7 @@ impl Misfit {
     ///
     /// # Errors
     /// A [`Diagnostic`] when it is not positive definite.
-    pub(crate) fn under(&self, covariance: impl Fn(&[PressureLevel]) -> Vec<f64>) -> Result<Whitening> {
+    pub(crate) fn whitening_under(&self, covariance: impl Fn(&[PressureLevel]) -> Vec<f64>) -> Result<Whitening> {
         film_whitening(&self.levels, &self.films, covariance)
     }
 
@@ -52,15 +52,15 @@ impl Misfit {
     ///
     /// # Errors
     /// A [`Diagnostic`] when they are of other levels.
-    pub(crate) fn raw(&self, white: &Residuals, parameters: usize) -> Result<Residuals> {
+    pub(crate) fn unwhiten_residuals(&self, white: &Residuals, parameters: usize) -> Result<Residuals> {
         self.whitening.invert(white, parameters).map_err(Diagnostic::from)
     }
 
     /// Residuals in m, whitened.
     ///
     /// # Errors
-    /// As [`Misfit::raw`].
-    pub(crate) fn white(&self, raw: &Residuals, parameters: usize) -> Result<Residuals> {
+    /// As [`Misfit::unwhiten_residuals`].
+    pub(crate) fn whiten_residuals(&self, raw: &Residuals, parameters: usize) -> Result<Residuals> {
         self.whitening.apply(raw, parameters).map_err(Diagnostic::from)
     }
 
@@ -68,7 +68,7 @@ impl Misfit {
     ///
     /// # Errors
     /// As [`Misfit::new`].
-    pub fn kept(levels: &[Level], noise: &NoiseModel, length: Metre) -> Result<Self> {
+    pub fn of_record(levels: &[Level], noise: &NoiseModel, length: Metre) -> Result<Self> {
         let films: Vec<usize> = levels.chunk_by(|a, b| a.trial == b.trial).map(<[Level]>::len).collect();
         let level = |l: &Level| PressureLevel {
             pressures: l.pressures_pa.clone(),

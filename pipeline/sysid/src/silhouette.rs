@@ -47,13 +47,13 @@ impl Stations {
         nodes: &[Point3],
         eye: Point3,
     ) -> (Silhouette, Vec<Point2>) {
-        let (projected, displacements) = (projected(body.0, nodes, eye), marker_displacements(body, nodes));
+        let (projected, displacements) = (project_skin(body.0, nodes, eye), marker_displacements(body, nodes));
         (self.silhouette(&displacements, |normal, reach| projected.edge(normal, reach)), displacements)
     }
 
     /// Both sides of the outline of a solid with moved nodes (m), as `eye` (m) sees it on the plane at mid height: left and right, m.
     pub fn outline(&self, body: (&QuadraticMesh, &[Spot]), nodes: &[Point3], eye: Point3) -> [Vec<Point2>; 2] {
-        self.outline_of(&projected(body.0, nodes, eye), &marker_displacements(body, nodes))
+        self.outline_of(&project_skin(body.0, nodes, eye), &marker_displacements(body, nodes))
     }
 
     fn outline_of(&self, projected: &Projected, displacements: &[Point2]) -> [Vec<Point2>; 2] {
@@ -80,7 +80,7 @@ impl Stations {
 }
 
 /// The outer skin of a solid with moved nodes (m) as `eye` (m) sees it.
-fn projected(solid: &QuadraticMesh, nodes: &[Point3], eye: Point3) -> Projected {
+fn project_skin(solid: &QuadraticMesh, nodes: &[Point3], eye: Point3) -> Projected {
     let surfaces = Surfaces::whole(solid, nodes);
     let outer = [Bounds::Body, Bounds::Sheet].iter().filter_map(|b| surfaces.faces.get(b)).flatten().copied();
     Projected::new(&surfaces.points, outer, eye)

@@ -5,7 +5,7 @@ use fem::{LoadRamp, ReducedModelData, ReductionSettings, StaticSettings};
 use rayon::prelude::*;
 use si::{Metre, Pascal};
 
-use crate::lateral_loads::{Lateral, pull};
+use crate::lateral_loads::{Lateral, unit_lateral_load};
 use crate::model::{Elastic, Model};
 use diagnostics::Result;
 
@@ -25,7 +25,7 @@ const FINE: usize = 8;
 const KEPT: f64 = 0.8;
 
 /// Snapshots: pressures, and displacements by a lateral load over the length.
-struct Wish {
+struct LoadCase {
     pressures: Vec<Pascal>,
     load: Lateral,
     pulls: Vec<f64>,
@@ -69,15 +69,16 @@ impl Snapshots<'_> {
     /// As [`Snapshots::reduce`], of a model without contact; `touch` says whether walls of the body touch in a shape.
     fn reduce_free(&self, tolerance: f64, touch: &dyn Fn(&[f64]) -> bool) -> Result<Reduction> {
         let Self { model, elastic, top, .. } = *self;
-        let [inertia, water] = [Lateral::Inertia, Lateral::Water].map(|load| pull(model, elastic, load));
+        let [inertia, water] = [Lateral::Inertia, Lateral::Water].map(|load| unit_lateral_load(model, elastic, load));
         let (inertia, water) = (inertia?, water?);
         let filled: Vec<Vec<Vec<f64>>> =
             (0..top.len()).into_par_iter().map(|k| self.inflate_chamber(k)).collect::<Result<_>>()?;
         let bends: Vec<f64> =
             filled.iter().map(|shapes| shapes.last().map_or(0.0, |last| bending_side(last, &inertia))).collect();
-        let load = |wish: &Wish| if wish.load == Lateral::Water { &water } else { &inertia };
-        let find = |wish: &Wish| self.lateral_shapes(wish, nearest_inflated(&filled, top, &wish.pressures), load(wish));
-        let lateral: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
+        let load = |case: &LoadCase| if case.load == Lateral::Water { &water } else { &inertia };
+        let find =
+            |case: &LoadCase| self.lateral_shapes(case, nearest_inflated(&filled, top, &case.pressures), load(case));
+        let lateral: Vec<Vec<Vec<f64>>> = load_cases(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
         let shapes: Vec<&[f64]> = filled.iter().chain(&lateral).flatten().map(Vec::as_slice).collect();
         let coordinates = (KEPT * shapes.len() as f64) as usize;
         let reduction_settings = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
@@ -102,23 +103,23 @@ impl Snapshots<'_> {
         Ok(equilibria.into_iter().skip(1).map(|(_, shape)| shape).collect())
     }
 
-    /// The shapes on the way to a wish, begun at the `nearest` shape: with half of each pull and the whole.
+    /// The shapes on the way to a load case, begun at the `nearest` shape: with half of each pull and the whole.
     fn lateral_shapes(
         &self,
-        wish: &Wish,
+        case: &LoadCase,
         nearest: Option<(Vec<Pascal>, &[f64])>,
         pull: &[f64],
     ) -> Result<Vec<Vec<f64>>> {
         let mut solver = self.model.solver(self.elastic)?;
         let none = vec![0.0; pull.len()];
-        let (begin, nearest) = nearest.unwrap_or_else(|| (vec![0.0; wish.pressures.len()], &none));
-        let inflation = LoadRamp { pressures: [&begin, &wish.pressures], forces: [&none; 2] };
+        let (begin, nearest) = nearest.unwrap_or_else(|| (vec![0.0; case.pressures.len()], &none));
+        let inflation = LoadRamp { pressures: [&begin, &case.pressures], forces: [&none; 2] };
         let inflated = solver.equilibrium_along(&[(0.0, nearest)], &inflation, &static_settings())?.displacement;
         let mut shapes = Vec::new();
-        for amplitude in &wish.pulls {
+        for amplitude in &case.pulls {
             let mut pulled = |part: f64, path: &[(f64, &[f64])]| {
                 let forces: Vec<f64> = pull.iter().map(|f| part * amplitude * self.length * f).collect();
-                let ramp = LoadRamp { pressures: [&wish.pressures; 2], forces: [&none, &forces] };
+                let ramp = LoadRamp { pressures: [&case.pressures; 2], forces: [&none, &forces] };
                 solver.equilibrium_along(path, &ramp, &static_settings()).map(|equilibrium| equilibrium.displacement)
             };
             let half = pulled(0.5, &[(0.0, &inflated)])?;
@@ -166,12 +167,12 @@ fn nearest_inflated<'a>(
 
 /// Snapshots under lateral loads to both sides: at rest, with each chamber filled, and with neighbouring chambers filled together. A
 /// chamber that is never filled has none.
-fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
+fn load_cases(top: &[Pascal], bends: &[f64]) -> Vec<LoadCase> {
     let [with, against] = PULLS;
     let driven: Vec<usize> = (0..top.len()).filter(|k| top[*k] > 0.0).collect();
-    let undeformed = Wish { pressures: vec![0.0; top.len()], load: Lateral::Water, pulls: vec![with, -with] };
+    let undeformed = LoadCase { pressures: vec![0.0; top.len()], load: Lateral::Water, pulls: vec![with, -with] };
     let inflated = driven.iter().flat_map(|&k| {
-        HELD.map(|(share, load)| Wish {
+        HELD.map(|(share, load)| LoadCase {
             pressures: chamber_pressures(top, k, share),
             load,
             pulls: vec![with * bends[k], -against * bends[k]],
@@ -184,7 +185,7 @@ fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
         BOTH.map(|[a, b]| {
             let mut pressures = chamber_pressures(top, pair[1], b);
             pressures[pair[0]] = a * top[pair[0]];
-            Wish { pressures, load: Lateral::Inertia, pulls: vec![with, -with] }
+            LoadCase { pressures, load: Lateral::Inertia, pulls: vec![with, -with] }
         })
     });
     std::iter::once(undeformed).chain(inflated).chain(pairs).collect()

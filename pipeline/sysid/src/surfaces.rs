@@ -32,7 +32,7 @@ pub struct Surfaces {
 
 impl Surfaces {
     /// The lower half of a solid, cut open at mid height; `points` are its nodes, at rest or moved.
-    pub fn lower(solid: &QuadraticMesh, points: &[Point3]) -> Self {
+    pub fn lower_half(solid: &QuadraticMesh, points: &[Point3]) -> Self {
         let corners = |nodes: &[u32]| if nodes.len() == 20 { 8 } else { 4 };
         let below =
             |nodes: &[u32]| nodes[..corners(nodes)].iter().map(|&n| solid.nodes[n as usize][2]).sum::<f64>() < 0.0;
@@ -58,7 +58,7 @@ impl Surfaces {
     }
 
     /// All of a mesh's skin and cuts as it was meshed, coarse: triangles between the corners of each face.
-    pub fn coarse(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
+    pub fn coarse_triangles(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
         let mut faces: BTreeMap<Bounds, Vec<[u32; 3]>> = BTreeMap::new();
         for (bound, face) in boundary_faces(solid, |_| true) {
             faces.entry(bound).or_default().extend(face.corner_triangles());
@@ -66,13 +66,13 @@ impl Surfaces {
         faces
     }
 
-    /// As [`Surfaces::coarse`], with triangles between all nodes of each face.
-    pub fn fine(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
+    /// As [`Surfaces::coarse_triangles`], with triangles between all nodes of each face.
+    pub fn fine_triangles(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
         split_faces(boundary_faces(solid, |_| true), false)
     }
 
     /// A scene with these surfaces added, each painted as `paint` returns; surfaces for which it returns none are left out.
-    pub fn onto(&self, scene: Scene, paint: impl Fn(Bounds) -> Option<Paint>) -> Scene {
+    pub fn add_to(&self, scene: Scene, paint: impl Fn(Bounds) -> Option<Paint>) -> Scene {
         self.faces.iter().fold(scene, |scene, (bound, faces)| match paint(*bound) {
             Some(paint) => scene.with_surface(&self.points, faces, paint),
             None => scene,
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn the_lower_half_of_a_half_model_is_its_mirror_image_with_the_cut_open() {
         let solid = half();
-        let lower = Surfaces::lower(&solid, &solid.nodes);
+        let lower = Surfaces::lower_half(&solid, &solid.nodes);
         assert!(lower.points.iter().all(|p| p[2] <= 0.0));
         let count = |on| lower.faces.get(&on).map_or(0, Vec::len);
         assert_eq!((count(Bounds::CutBody), count(Bounds::Body), count(Bounds::Chamber(1))), (4, 8, 4));

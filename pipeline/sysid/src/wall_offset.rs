@@ -37,7 +37,7 @@ pub(crate) fn wall_offset(solid: &Solid, is_offset: impl Fn(Skin, Point3) -> boo
     let field = Smoothing::new(solid, &held, &edges).solve();
     let mut velocity: Vec<f64> = field.iter().flat_map(|v| v.iter().copied()).collect();
     for element in 0..solid.len() {
-        for (middle, [a, b]) in middles(solid, element) {
+        for (middle, [a, b]) in edge_middles(solid, element) {
             for axis in 0..3 {
                 velocity[3 * middle + axis] = 0.5 * (velocity[3 * a + axis] + velocity[3 * b + axis]);
             }
@@ -47,7 +47,7 @@ pub(crate) fn wall_offset(solid: &Solid, is_offset: impl Fn(Skin, Point3) -> boo
 }
 
 /// Of an element of second order: each middle with its two corners.
-fn middles(solid: &Solid, element: usize) -> Vec<(usize, [usize; 2])> {
+fn edge_middles(solid: &Solid, element: usize) -> Vec<(usize, [usize; 2])> {
     let nodes = solid.element(element);
     let edges: &[[usize; 2]] = match solid {
         Solid::Linear(_) => &[],
@@ -67,7 +67,7 @@ fn middles(solid: &Solid, element: usize) -> Vec<(usize, [usize; 2])> {
 fn corner_edges(solid: &Solid) -> Vec<([usize; 2], f64)> {
     let mut edges = BTreeMap::new();
     for element in 0..solid.len() {
-        let pairs: Vec<[usize; 2]> = match middles(solid, element) {
+        let pairs: Vec<[usize; 2]> = match edge_middles(solid, element) {
             middles if middles.is_empty() => {
                 let nodes = solid.element(element);
                 TETRAHEDRON_EDGES.iter().map(|[a, b]| [nodes[*a] as usize, nodes[*b] as usize]).collect()
@@ -75,7 +75,7 @@ fn corner_edges(solid: &Solid) -> Vec<([usize; 2], f64)> {
             middles => middles.into_iter().map(|(_, pair)| pair).collect(),
         };
         for [a, b] in pairs {
-            let length = (point(solid, a) - point(solid, b)).norm();
+            let length = (node_position(solid, a) - node_position(solid, b)).norm();
             // Springs in series: along a line of edges of unlike lengths the field is linear.
             edges.insert([a.min(b), a.max(b)], 1.0 / length);
         }
@@ -83,7 +83,7 @@ fn corner_edges(solid: &Solid) -> Vec<([usize; 2], f64)> {
     edges.into_iter().collect()
 }
 
-fn point(solid: &Solid, node: usize) -> Vector3<f64> {
+fn node_position(solid: &Solid, node: usize) -> Vector3<f64> {
     Vector3::from(solid.nodes()[node])
 }
 
@@ -92,7 +92,7 @@ fn held_nodes(solid: &Solid, is_offset: impl Fn(Skin, Point3) -> bool) -> BTreeM
     let mut held: BTreeMap<usize, Held> = BTreeMap::new();
     for (nodes, on) in solid.faces() {
         let corners = if nodes.len() > 4 { &nodes[..nodes.len() / 2] } else { nodes };
-        let places: Vec<Vector3<f64>> = corners.iter().map(|node| point(solid, *node as usize)).collect();
+        let places: Vec<Vector3<f64>> = corners.iter().map(|node| node_position(solid, *node as usize)).collect();
         let centre = places.iter().sum::<Vector3<f64>>() / places.len() as f64;
         let area = (1..places.len() - 1)
             .map(|k| (places[k] - places[0]).cross(&(places[k + 1] - places[0])))
@@ -241,7 +241,8 @@ mod tests {
         let solid = solid();
         let velocity = wall_offset(&solid, |on, _| matches!(on, Skin::Chamber(_)));
         for (nodes, on) in solid.faces() {
-            let corners: Vec<Vector3<f64>> = nodes[..3].iter().map(|node| point(&solid, *node as usize)).collect();
+            let corners: Vec<Vector3<f64>> =
+                nodes[..3].iter().map(|node| node_position(&solid, *node as usize)).collect();
             let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).normalize();
             let expected = if matches!(on, Skin::Chamber(_)) { 1.0 } else { 0.0 };
             for node in nodes {

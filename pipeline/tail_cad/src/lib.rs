@@ -148,6 +148,20 @@ pub enum TailError {
     Hexahedra(#[from] mesh::MeshError),
 }
 
+/// Stations of the tail that was measured: place along it, height and width, mm.
+const MEASURED_STATIONS: [(f64, f64, f64); 10] = [
+    (0.0, 49.0, 40.22),
+    (8.68, 48.54, 39.25),
+    (18.23, 46.96, 35.50),
+    (26.76, 45.17, 32.72),
+    (35.90, 41.28, 29.25),
+    (45.78, 37.05, 26.65),
+    (57.08, 30.51, 23.62),
+    (66.36, 23.03, 19.83),
+    (72.0, 18.6, 15.0),
+    (80.0, 13.6, 6.0),
+];
+
 impl Tail {
     /// A tail of 109.49 mm with nine chambers a side; outer shape measured on a lab's own tail, inside proposed.
     pub fn nine_chambers() -> Self {
@@ -156,21 +170,9 @@ impl Tail {
             half_height: height * 0.5e-3,
             half_width: width * 0.5e-3,
         };
-        let body = [
-            (0.0, 49.0, 40.22),
-            (8.68, 48.54, 39.25),
-            (18.23, 46.96, 35.50),
-            (26.76, 45.17, 32.72),
-            (35.90, 41.28, 29.25),
-            (45.78, 37.05, 26.65),
-            (57.08, 30.51, 23.62),
-            (66.36, 23.03, 19.83),
-            (72.0, 18.6, 15.0),
-            (80.0, 13.6, 6.0),
-        ];
         let fin = [(75.65, 33.27), (84.53, 52.06), (90.22, 59.32), (109.49, 0.0)];
         Self {
-            body: body.map(|(x, h, w)| mm(x, h, w)).to_vec(),
+            body: MEASURED_STATIONS.map(|(x, h, w)| mm(x, h, w)).to_vec(),
             fin: fin.map(|(x, h)| (x * 1e-3, h * 0.5e-3)).to_vec(),
             fin_start: 71e-3,
             back_share: 0.4,

@@ -67,11 +67,11 @@ impl FlappingModel<'_> {
         let time: Vec<Second> = (1..=moved.len()).map(|i| i as f64 / rate).collect();
         let pressure: Vec<Vec<Pascal>> = time.iter().map(|&t| pressures(t)).collect();
         let rates: Vec<Vec<f64>> = (0..self.halves.len())
-            .map(|chamber| run::rates(&pressure.iter().map(|p| p[chamber]).collect::<Vec<_>>(), rate))
+            .map(|chamber| run::central_rates(&pressure.iter().map(|p| p[chamber]).collect::<Vec<_>>(), rate))
             .collect();
         let pressure_rate: Vec<Vec<f64>> =
             (0..time.len()).map(|i| rates.iter().map(|chamber| chamber[i]).collect()).collect();
-        let terms = run::parts(self.tail, &moved, &speed, rate);
+        let terms = run::theory_terms(self.tail, &moved, &speed, rate);
         let first_counted = settle * self.steps_per_cycle;
         Ok(Run {
             id: format!("{amplitude:.0} Pa at {frequency:.2} Hz"),

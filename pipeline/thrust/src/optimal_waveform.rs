@@ -137,11 +137,16 @@ impl WaveformModel<'_> {
                 Ok(own_optimum.clone())
             }
         };
-        (0..2).into_par_iter().map(|k| self.compared(goals[k], squares[k], optimum(k)?)).collect()
+        (0..2).into_par_iter().map(|k| self.compare_optimum(goals[k], squares[k], optimum(k)?)).collect()
     }
 
     /// An optimum beside the best square wave.
-    fn compared(&self, goal: Goal, (square, cycle): &(Waveform, Cycle), optimum: Optimum) -> Result<OptimalWaveform> {
+    fn compare_optimum(
+        &self,
+        goal: Goal,
+        (square, cycle): &(Waveform, Cycle),
+        optimum: Optimum,
+    ) -> Result<OptimalWaveform> {
         let flap_under = |waveform: &Waveform, cycle: &Cycle| {
             self.named_flap(goal.goal_name(), waveform.frequency(&self.limits), cycle)
         };

@@ -42,7 +42,7 @@ impl<'a> Outline<'a> {
     ///
     /// # Errors
     /// [`TailError`] when the markers do not rise from the clamp to the edge.
-    pub fn marked(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<Tail, TailError> {
+    pub fn marker_tail(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<Tail, TailError> {
         let marks: Vec<Metre> = self.body.markers_by_x().iter().map(|&i| self.body.markers[i][0]).collect();
         let (clamp, edge) = (self.body.clamp.end(), self.trailing);
         Tail::new(density, &Stations { clamp, marks: &marks, edge, end: edge }, sections, &|a| self.section_depth(a))

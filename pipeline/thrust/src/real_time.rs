@@ -81,7 +81,7 @@ pub fn path(
         twin.step(&mut state, &actuation.pressures(time), duration)?;
         path.push([twin.output(&state, 0), twin.output(&state, 1)]);
     }
-    actuation.sampled(&times, &path).map(Some)
+    actuation.sample_path(&times, &path).map(Some)
 }
 
 /// A section of the tail in the coordinates.

@@ -103,11 +103,11 @@ impl Run {
 }
 
 /// The terms of theory at every sample of a motion.
-pub fn parts(tail: &Tail, moved: &[Vec<Point2>], speed: &[Vec<Point2>], rate: Hertz) -> Vec<TheoryTerms> {
+pub fn theory_terms(tail: &Tail, moved: &[Vec<Point2>], speed: &[Vec<Point2>], rate: Hertz) -> Vec<TheoryTerms> {
     let terms: Vec<Terms> = moved.iter().zip(speed).map(|(m, v)| tail.terms(m, v)).collect();
-    let momentum_rate = rates(&terms.iter().map(|t| t.momentum.value).collect::<Vec<_>>(), rate);
+    let momentum_rate = central_rates(&terms.iter().map(|t| t.momentum.value).collect::<Vec<_>>(), rate);
     let axial_velocity: Vec<f64> = speed.iter().map(|v| v.last().map_or(0.0, |p| p[0])).collect();
-    let tip_acceleration = rates(&axial_velocity, rate);
+    let tip_acceleration = central_rates(&axial_velocity, rate);
     let terms_at = |i: usize| {
         let t = &terms[i];
         TheoryTerms {
@@ -122,7 +122,7 @@ pub fn parts(tail: &Tail, moved: &[Vec<Point2>], speed: &[Vec<Point2>], rate: He
 }
 
 /// Rates by central differences, one-sided at the ends.
-pub fn rates(values: &[f64], rate: Hertz) -> Vec<f64> {
+pub fn central_rates(values: &[f64], rate: Hertz) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     let difference = |i: usize| {
         let (lower, upper) = (i.saturating_sub(1), (i + 1).min(last));
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn rates_of_a_parabola_are_exact_between_its_ends() {
         let values: Vec<f64> = (0..20).map(|i| (f64::from(i) / 10.0).powi(2)).collect();
-        let found = rates(&values, 10.0);
+        let found = central_rates(&values, 10.0);
         assert!((1..19).all(|i| (found[i] - 2.0 * i as f64 / 10.0).abs() < 1e-12));
     }
 }

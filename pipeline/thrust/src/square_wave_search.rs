@@ -164,7 +164,7 @@ const NEAR: f64 = 1.05;
 /// # Errors
 /// A [`Diagnostic`] when every run was at a higher pressure.
 pub fn best_recorded<'a>(runs: &'a [Run], limits: &Limits) -> Result<&'a Run> {
-    let candidates = runs.iter().filter(|r| highest(r) <= NEAR * limits.amplitude);
+    let candidates = runs.iter().filter(|r| highest_pressure(r) <= NEAR * limits.amplitude);
     candidates.max_by(|a, b| a.mean_force().total_cmp(&b.mean_force())).ok_or_else(|| {
         let limit = format!("moduli were identified up to {:.0} Pa", limits.amplitude);
         Diagnostic::new(
@@ -191,7 +191,7 @@ pub fn check(flapping: &FlappingModel, theory: &Fitted, run: &Run) -> Result<Che
 }
 
 /// The highest measured pressure of a run, Pa: below the command where a half cycle is too short to fill the chamber.
-pub fn highest(run: &Run) -> Pascal {
+pub fn highest_pressure(run: &Run) -> Pascal {
     run.pressure.iter().flatten().copied().fold(0.0, f64::max)
 }
 

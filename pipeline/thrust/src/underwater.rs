@@ -53,6 +53,6 @@ impl<'a> UnderwaterModel<'a> {
         water.integrate(self.reduced_body, &motion, &mut |coordinates, _| {
             path.push([0, 1].map(|k| (self.watched.row(k) * coordinates)[0]));
         })?;
-        actuation.sampled(&times, &path)
+        actuation.sample_path(&times, &path)
     }
 }

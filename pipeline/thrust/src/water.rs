@@ -29,7 +29,7 @@ impl<'a> Water<'a> {
     }
 
     fn water_state(&self, state: &StepState) -> hydro::Water {
-        self.tail.water(&points(self.rows * state.coordinates), &points(self.rows * state.velocity), self.by)
+        self.tail.water_force(&points(self.rows * state.coordinates), &points(self.rows * state.velocity), self.by)
     }
 }
 

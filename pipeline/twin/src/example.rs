@@ -47,15 +47,15 @@ fn shape_products(factor: f64) -> Vec<f64> {
     (0..R * R).map(|entry| product(entry / R, entry % R)).collect()
 }
 
-/// The beam, in water or in air.
-pub fn beam(wet: bool) -> TwinData {
+/// The rubber of the beam, sampled at Gauss's points of its height and in the middle of even lengths.
+fn rubber_region() -> Region {
     let heights = [-0.8611363, -0.3399810, 0.3399810, 0.8611363].map(|y| 0.5 * HEIGHT * y);
     let shares = [0.3478548, 0.6521452, 0.6521452, 0.3478548].map(|w| 0.5 * w);
     let places: Vec<(f64, usize)> = interval_middles(20).flat_map(|x| (0..4).map(move |k| (x, k))).collect();
     let weights = places.iter().map(|(_, k)| AREA * LENGTH / 20.0 * shares[*k]).collect();
     let gradients =
         places.iter().flat_map(|(x, k)| (0..R).flat_map(|m| mode_gradient(m, *x, heights[*k])).collect::<Vec<_>>());
-    let region = Region {
+    Region {
         name: "rubber".into(),
         mu: 7e4,
         lambda: 1e5,
@@ -63,17 +63,29 @@ pub fn beam(wet: bool) -> TwinData {
         branches: vec![[0.15, 0.01], [0.1, 0.3]],
         weights,
         gradients: gradients.collect(),
-    };
-    let chamber = |(name, sign): (&str, f64)| Chamber {
+    }
+}
+
+/// A chamber whose volume follows the slope of the end, with this `sign`.
+fn side_chamber((name, sign): (&str, f64)) -> Chamber {
+    Chamber {
         name: name.into(),
         range: [0.0, HIGHEST],
         at_rest: 1e-5,
         linear: (0..R).map(|m| sign * ARM * mode_shape(m, 1.0)[1][1]).collect(),
         quadratic: vec![0.0; R * R],
         cubic: vec![0.0; R * R * (R + 1) / 2],
-    };
-    let row = |k: usize, order: usize, xi: f64| (0..R).map(|m| mode_shape(m, xi)[order][k]).collect::<Vec<f64>>();
-    let both = |order: usize, xi: f64| [row(0, order, xi), row(1, order, xi)].concat();
+    }
+}
+
+/// The derivative of an order of the displacement along an axis, at ξ, by each coordinate.
+fn shape_row(axis: usize, order: usize, xi: f64) -> Vec<f64> {
+    (0..R).map(|m| mode_shape(m, xi)[order][axis]).collect()
+}
+
+/// Sections of still water along the beam, and that of its trailing edge.
+fn water_sections() -> Vec<Section> {
+    let both = |order: usize, xi: f64| [shape_row(0, order, xi), shape_row(1, order, xi)].concat();
     let section = |(xi, last): (f64, bool)| {
         let (mass, drag, length) =
             (0.25 * std::f64::consts::PI * 998.0 * 4e-4, 5.0 * 0.5 * 998.0 * 0.02, LENGTH / 12.0);
@@ -81,15 +93,19 @@ pub fn beam(wet: bool) -> TwinData {
             if last { [0.0, 0.0, 0.0, mass] } else { [mass * length, drag * length, mass * length, 0.0] };
         Section { slope: both(1, xi), value: both(0, xi), by: coefficients }
     };
-    let sections = interval_middles(12).map(|xi| (xi, false)).chain([(1.0, true)]).map(section);
+    interval_middles(12).map(|xi| (xi, false)).chain([(1.0, true)]).map(section).collect()
+}
+
+/// The beam, in water or in air.
+pub fn beam(wet: bool) -> TwinData {
     TwinData {
         mass: shape_products(DENSITY * AREA * LENGTH),
         size: 0.02,
-        regions: vec![region],
-        chambers: [("left", 1.0), ("right", -1.0)].map(chamber).to_vec(),
-        sections: if wet { sections.collect() } else { vec![] },
+        regions: vec![rubber_region()],
+        chambers: [("left", 1.0), ("right", -1.0)].map(side_chamber).to_vec(),
+        sections: if wet { water_sections() } else { vec![] },
         outputs: [("tip_x", 0, LENGTH), ("tip_y", 1, 0.0)]
-            .map(|(name, axis, at_rest)| Output { name: name.into(), row: row(axis, 0, 1.0), at_rest })
+            .map(|(name, axis, at_rest)| Output { name: name.into(), row: shape_row(axis, 0, 1.0), at_rest })
             .to_vec(),
         half: false,
         provenance: vec![("example".into(), "a clamped beam of rubber".into())],

@@ -213,7 +213,7 @@ mod tests {
             let along = change(0.9);
             let image = here.stress_change(&BY, &[splat(0.0); 6], &along);
             for i in 0..LANES {
-                let exact = law.response(&matrix(&here.gradient, i), moduli);
+                let exact = law.constitutive_response(&matrix(&here.gradient, i), moduli);
                 assert!((matrix(&stress, i) * 0.5 - exact.stress).norm() < 1e-11 * exact.stress.norm().max(BY.mu));
                 let by = nalgebra::SVector::<f64, 9>::from_fn(|k, _| along[k].to_array()[i]);
                 let exact = Matrix3::from_column_slice((exact.tangent * by).as_slice());
@@ -240,7 +240,7 @@ mod tests {
         let held: Symmetric = std::array::from_fn(|n| splat(10.0 * n as f64 - 20.0));
         let here = Deformed::new(&change(0.1), &BY);
         let [with, without] = [Some(&held), None].map(|held| here.stress(&BY, held, splat(1.0)));
-        let full = materials::symmetric::matrix(&std::array::from_fn(|n| held[n].to_array()[0]));
+        let full = materials::symmetric::full_tensor(&std::array::from_fn(|n| held[n].to_array()[0]));
         let exact = matrix(&here.gradient, 3) * full;
         assert!((matrix(&with, 3) - matrix(&without, 3) - exact).norm() < 1e-10);
         let [with, without] = [held, [splat(0.0); 6]].map(|held| here.stress_change(&BY, &held, &change(1.0)));

@@ -80,7 +80,7 @@ impl std::error::Error for TypesetError {
 ///
 /// # Errors
 /// When the folder cannot be read or holds no font.
-pub fn fonts(folder: &Path) -> Result<Vec<Vec<u8>>, TypesetError> {
+pub fn read_fonts(folder: &Path) -> Result<Vec<Vec<u8>>, TypesetError> {
     let unreadable = |source: std::io::Error| TypesetError::Unreadable { path: folder.to_owned(), source };
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let mut places: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
@@ -95,11 +95,12 @@ pub fn fonts(folder: &Path) -> Result<Vec<Vec<u8>>, TypesetError> {
 /// # Errors
 /// All errors of the source, with file and line. Warnings are errors too: a missing font is only a warning of typst.
 pub fn compile(root: &Path, main: &str, fonts: &[Vec<u8>]) -> Result<Document, TypesetError> {
-    let all = typst_assets::fonts().map(<[u8]>::to_vec).chain(fonts.iter().cloned());
-    let engine = TypstEngine::builder().fonts(all).with_file_system_resolver(root).build();
+    let font_files = typst_assets::fonts().map(<[u8]>::to_vec).chain(fonts.iter().cloned());
+    let engine = TypstEngine::builder().fonts(font_files).with_file_system_resolver(root).build();
     let compiled = engine.with_world(main, |world| -> Result<Document, String> {
-        let joined =
-            |all: &[SourceDiagnostic]| all.iter().map(|d| message(world, d)).collect::<Vec<_>>().join("\nerror: ");
+        let joined = |all: &[SourceDiagnostic]| {
+            all.iter().map(|d| error_message(world, d)).collect::<Vec<_>>().join("\nerror: ")
+        };
         let done = typst::compile::<PagedDocument>(world);
         let document = done.output.map_err(|errors| joined(&errors))?;
         if !done.warnings.is_empty() {
@@ -111,13 +112,13 @@ pub fn compile(root: &Path, main: &str, fonts: &[Vec<u8>]) -> Result<Document, T
     compiled.map_err(|e| TypesetError::Source(e.to_string()))?.map_err(TypesetError::Source)
 }
 
-fn message(world: &dyn World, error: &SourceDiagnostic) -> String {
+fn error_message(world: &dyn World, error: &SourceDiagnostic) -> String {
     let hints: String = error.hints.iter().map(|hint| format!("\n  do:  {}", hint.v)).collect();
-    format!("{}{}{hints}", place(world, error).unwrap_or_default(), error.message)
+    format!("{}{}{hints}", source_line(world, error).unwrap_or_default(), error.message)
 }
 
 /// `main.typ:12: `.
-fn place(world: &dyn World, error: &SourceDiagnostic) -> Option<String> {
+fn source_line(world: &dyn World, error: &SourceDiagnostic) -> Option<String> {
     let id = error.span.id()?;
     let source = world.source(id).ok()?;
     let start = world.range(error.span).map_or(0, |range| range.start);

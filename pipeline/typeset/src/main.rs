@@ -45,16 +45,16 @@ const PDF: &str = "paper/paper.pdf";
 const FONTS: &str = "paper/fonts";
 
 fn main() -> ExitCode {
-    processor::run(program)
+    processor::run(run_program)
 }
 
-fn program() -> ExitCode {
+fn run_program() -> ExitCode {
     let cli = Cli::parse();
     let base = match cli.profile {
         Profile::Paper => cli.root.clone(),
         Profile::Quick => cli.root.join("target").join("quick"),
     };
-    match run(&cli.root, &base) {
+    match typeset_paper(&cli.root, &base) {
         Ok(report) => {
             output::line(&report);
             if output::failed() { ExitCode::FAILURE } else { ExitCode::SUCCESS }
@@ -66,15 +66,17 @@ fn program() -> ExitCode {
     }
 }
 
-fn run(root: &Path, base: &Path) -> Result<String, TypesetError> {
+fn typeset_paper(root: &Path, base: &Path) -> Result<String, TypesetError> {
     if !base.join(SOURCE).is_file() {
         return Err(TypesetError::NotPrepared(base.join(SOURCE)));
     }
-    let document = compiler::compile(base, SOURCE, &compiler::fonts(&root.join(FONTS))?)?;
-    let to = base.join(PDF);
-    let unwritable = |source: std::io::Error| TypesetError::Unwritable { path: to.clone(), source };
-    let unfinished = to.with_extension("pdf.unfinished");
-    std::fs::create_dir_all(to.parent().unwrap_or(base)).map_err(unwritable)?;
-    std::fs::write(&unfinished, &document.pdf).and_then(|()| std::fs::rename(&unfinished, &to)).map_err(unwritable)?;
-    Ok(format!("{}: {} pages, {} KiB", to.display(), document.pages, document.pdf.len().div_ceil(1024)))
+    let document = compiler::compile(base, SOURCE, &compiler::read_fonts(&root.join(FONTS))?)?;
+    let output = base.join(PDF);
+    let unwritable = |source: std::io::Error| TypesetError::Unwritable { path: output.clone(), source };
+    let unfinished = output.with_extension("pdf.unfinished");
+    std::fs::create_dir_all(output.parent().unwrap_or(base)).map_err(unwritable)?;
+    std::fs::write(&unfinished, &document.pdf)
+        .and_then(|()| std::fs::rename(&unfinished, &output))
+        .map_err(unwritable)?;
+    Ok(format!("{}: {} pages, {} KiB", output.display(), document.pages, document.pdf.len().div_ceil(1024)))
 }

@@ -8,6 +8,7 @@ mod cycles;
 mod dependencies;
 mod files;
 mod functions;
+mod names;
 mod pages;
 mod readers;
 mod source;

@@ -60,28 +60,10 @@ fn decode_film(film: Film, check: &FirstFrame) -> (Option<DecodedFilm>, Vec<Find
     let film_path = context.display_path("video");
     let mut findings = card_mismatches(&film_path, info, subject);
     findings.extend(camera.and_then(|camera| rest::size_mismatch(&film_path, info, camera)));
-    let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
-    let (first, last) = (subject.trial.first_frame, subject.trial.last_frame.unwrap_or(usize::MAX));
-    for frame in film {
-        let frame = match frame {
-            Ok(frame) => frame,
-            Err(e) => {
-                findings.push(Finding::message(&e.to_string()));
-                return (None, findings);
-            }
-        };
-        if frame.index == first {
-            findings.extend(check.frame_findings(&frame));
-        }
-        if (first..=last).contains(&frame.index) {
-            tracks.time.push(frame.time);
-            tracks
-                .led
-                .extend(subject.card.led.iter().map(|lamp| led::brightness(&frame.gray, lamp.centre, lamp.radius)));
-        }
-    }
+    let Some(tracks) = read_frames(film, check, &mut findings) else { return (None, findings) };
     if tracks.time.len() < 2 {
         let defect = format!("{film_path} has {} frames to use", tracks.time.len());
+        let first = subject.trial.first_frame;
         let reason = format!("it has {}, and the card lets the trial begin at frame {first}", info.frames);
         findings.push(Finding::fix(defect, reason, "correct first_frame and last_frame of this trial on the card"));
         return (None, findings);
@@ -98,6 +80,32 @@ fn decode_film(film: Film, check: &FirstFrame) -> (Option<DecodedFilm>, Vec<Find
     let decoded = dark_lamp.is_none().then_some(DecodedFilm { tracks, height: info.height });
     findings.extend(dark_lamp);
     (decoded, findings)
+}
+
+/// Times and lamp of the trial's frames; none where one cannot be decoded, which is then the last of the `findings`.
+fn read_frames(film: Film, check: &FirstFrame, findings: &mut Vec<Finding>) -> Option<Tracks> {
+    let subject = check.subject;
+    let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
+    let (first, last) = (subject.trial.first_frame, subject.trial.last_frame.unwrap_or(usize::MAX));
+    for frame in film {
+        let frame = match frame {
+            Ok(frame) => frame,
+            Err(e) => {
+                findings.push(Finding::message(&e.to_string()));
+                return None;
+            }
+        };
+        if frame.index == first {
+            findings.extend(check.frame_findings(&frame));
+        }
+        if (first..=last).contains(&frame.index) {
+            tracks.time.push(frame.time);
+            tracks
+                .led
+                .extend(subject.card.led.iter().map(|lamp| led::brightness(&frame.gray, lamp.centre, lamp.radius)));
+        }
+    }
+    Some(tracks)
 }
 
 /// A lamp whose brightness hardly changes in the film: it gives no clock.

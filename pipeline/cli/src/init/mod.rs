@@ -32,7 +32,7 @@ pub fn run(root: &Path, profile: Profile, name: &str) -> Result<String> {
 ///
 /// # Errors
 /// A [`Diagnostic`] as of [`run`], or when nothing can be proposed.
-pub fn from_folder(root: &Path, profile: Profile, (name, folder): (&str, &Path)) -> Result<String> {
+pub(crate) fn from_folder(root: &Path, profile: Profile, (name, folder): (&str, &Path)) -> Result<String> {
     let folders = checked_folders(root, profile, name)?;
     let proposal = proposal::propose(folder, name)?;
     let card = folders.raw_file(&format!("{name}/{}", lab::folder::CARD));

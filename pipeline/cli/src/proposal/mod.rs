@@ -61,7 +61,7 @@ struct Contents {
 }
 
 /// Whether a word names a folder of recordings, and not a specimen of the project.
-pub fn is_folder(root: &Path, profile: Profile, word: &str) -> bool {
+pub(crate) fn is_folder(root: &Path, profile: Profile, word: &str) -> bool {
     Path::new(word).is_dir() && !Folders::new(root, profile).raw_file(word).is_dir()
 }
 

@@ -85,11 +85,7 @@ impl SolverState {
         trajectory: &Trajectory,
         loss_gradient: &mut dyn FnMut(usize, &State) -> LossGradient,
     ) -> Result<MotionGradient, SolveError> {
-        let (nodes, chambers) = (self.data.mesh.nodes.len(), self.data.chambers.len());
-        let mut gradient = MotionGradient::zero(nodes, self.inputs.properties.len(), chambers, trajectory.steps());
-        if step::region_steps(&self.inputs.properties, 0.0).is_none() {
-            gradient.elements = vec![0.0; self.data.mesh.elements.len()];
-        }
+        let mut gradient = self.zero_gradient(trajectory.steps());
         let full = self.data.full_length();
         let mut states = VecDeque::from(vec![AdjointState::zero(full); 3]);
         let mut policy = RefactorisationPolicy::new(FACTORISATION_COST);
@@ -98,18 +94,14 @@ impl SolverState {
             let segment = self.segment(trajectory, number)?;
             let (first, last) = trajectory.segment_bounds(number);
             for n in (first..=last).rev() {
-                let loss = loss_gradient(n, segment.state(n));
-                self.check_loss_gradient(&loss)?;
-                states[0].add_loss(&loss);
+                self.add_checked_loss(&loss_gradient(n, segment.state(n)), &mut states[0])?;
                 let step = TrajectoryStep::new(trajectory, &segment, n);
                 self.adjoint_step(&step, (&mut states, past.as_mut()), &mut gradient, &mut policy)?;
                 states.pop_front();
                 states.push_back(AdjointState::zero(full));
             }
             if number == 0 {
-                let loss = loss_gradient(0, segment.state(0));
-                self.check_loss_gradient(&loss)?;
-                states[0].add_loss(&loss);
+                self.add_checked_loss(&loss_gradient(0, segment.state(0)), &mut states[0])?;
                 let beta = trajectory.settings.stiffness_damping;
                 self.adjoint_of_initial_force(beta, segment.state(0), &mut states[0], &mut gradient);
                 if let Some(past) = &past {
@@ -123,6 +115,22 @@ impl SolverState {
         gradient.initial =
             State { displacement: self.with_constraints(displacement), velocity: self.with_constraints(velocity) };
         Ok(gradient)
+    }
+
+    /// A gradient of zeros; moduli by element only where nothing relaxes.
+    fn zero_gradient(&self, steps: usize) -> MotionGradient {
+        let (nodes, chambers) = (self.data.mesh.nodes.len(), self.data.chambers.len());
+        let mut gradient = MotionGradient::zero(nodes, self.inputs.properties.len(), chambers, steps);
+        if step::region_steps(&self.inputs.properties, 0.0).is_none() {
+            gradient.elements = vec![0.0; self.data.mesh.elements.len()];
+        }
+        gradient
+    }
+
+    fn add_checked_loss(&self, loss: &LossGradient, adjoint: &mut AdjointState) -> Result<(), SolveError> {
+        self.check_loss_gradient(loss)?;
+        adjoint.add_loss(loss);
+        Ok(())
     }
 
     /// One step backwards; `states` holds the adjoint states n, n−1 and n−2.

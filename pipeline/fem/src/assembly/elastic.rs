@@ -8,7 +8,7 @@ use crate::assembly::kernels::{
 use crate::assembly::reference::ReferenceElements;
 use crate::mesh::Mesh;
 use materials::material::{Material, Moduli};
-use materials::symmetric::{Symmetric, matrix};
+use materials::symmetric::{Symmetric, full_tensor};
 use materials::tangent::{PointState, TangentKind};
 use nalgebra::{Matrix3, SVector};
 use si::{Joule, Point3};
@@ -183,7 +183,7 @@ impl Body<'_> {
             let [shear, bulk] = self.reference.shares[point];
             // what the past holds is of the μ part
             let held_stress =
-                self.held.get(first + point).map(|held_stress| matrix(held_stress) * (self.held_factor * shear));
+                self.held.get(first + point).map(|held_stress| full_tensor(held_stress) * (self.held_factor * shear));
             visit(Sample { gradients, weight, moduli: pointwise.shared(shear, bulk), held: held_stress });
         }
         if let Some(moduli) = mean {
@@ -203,7 +203,7 @@ impl Body<'_> {
                 elastic.moduli,
                 |Sample { gradients, weight, moduli, held }| {
                     let now = deformation_gradient(gradients, &displacements);
-                    let (mut energy, mut stress) = elastic.material.stress(&now, moduli);
+                    let (mut energy, mut stress) = elastic.material.energy_and_stress(&now, moduli);
                     if let Some(held) = held {
                         // The potential of the held stress, whose derivative by F is F H: a line search needs the
                         // energy, and the tangent stays symmetric.
@@ -258,7 +258,7 @@ impl Body<'_> {
         let nodes = &self.mesh.elements.of_order::<N>()[element];
         let (displacements, mut force) = (element_values(nodes, u), [[0.0; 3]; N]);
         self.for_each_sample::<N>(element, elastic, elastic.moduli, |Sample { gradients, weight, moduli, .. }| {
-            let stress = elastic.material.stress(&deformation_gradient(gradients, &displacements), moduli).1;
+            let stress = elastic.material.energy_and_stress(&deformation_gradient(gradients, &displacements), moduli).1;
             add_force(&mut force, gradients, &stress, weight);
         });
         scatter_forces(nodes, &force, forces);
@@ -288,7 +288,8 @@ impl Body<'_> {
             let mut force = [[0.0; 3]; N];
             let change = change.scaled(self.modulus_factor(element));
             self.for_each_sample::<N>(element, elastic, change, |Sample { gradients, weight, moduli, .. }| {
-                let stress = elastic.material.stress(&deformation_gradient(gradients, &displacements), moduli).1;
+                let stress =
+                    elastic.material.energy_and_stress(&deformation_gradient(gradients, &displacements), moduli).1;
                 add_force(&mut force, gradients, &stress, weight);
             });
             scatter_forces(nodes, &force, forces);
@@ -307,7 +308,7 @@ impl Body<'_> {
                 |Sample { gradients, weight, moduli, .. }| {
                     let F = deformation_gradient(gradients, &displacements);
                     let L = deformation_gradient(gradients, &velocities) - Matrix3::identity();
-                    let response = elastic.material.response(&F, moduli);
+                    let response = elastic.material.constitutive_response(&F, moduli);
                     let dF = (Matrix3::identity() - F) * L;
                     let dP = response.tangent * SVector::<f64, 9>::from_column_slice(dF.as_slice());
                     let P = response.stress;

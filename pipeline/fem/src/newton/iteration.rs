@@ -58,6 +58,14 @@ struct Direction {
     size: Metre,
 }
 
+/// Why no step along the direction of a fresh factor was accepted.
+fn step_failure(globalisation: Globalisation, iterations: usize) -> NonConvergence {
+    match globalisation {
+        Globalisation::FullStep => NonConvergence::InvertedElement,
+        Globalisation::LineSearch => NonConvergence::LineSearchFailed { iterations },
+    }
+}
+
 impl Newton {
     pub fn new(data: &SystemData) -> Self {
         let full = data.full_length();
@@ -130,16 +138,10 @@ impl Newton {
         state: &mut IterationState,
         options: &NewtonOptions,
     ) -> Result<bool, NonConvergence> {
-        if self.interrupt.as_ref().is_some_and(|interrupted| interrupted()) {
-            return Err(NonConvergence::Interrupted);
-        }
+        self.check_interrupt()?;
         let fresh = std::mem::take(&mut state.refactorise);
         if fresh {
-            let full_steps = state.globalisation == Globalisation::FullStep;
-            let previous = state.previous.as_deref().filter(|_| full_steps);
-            let first = options.predicted && state.counts.factorisations == 0;
-            state.count_factorisation(self.refactorise(potential, u, previous, first)?);
-            state.check_stability(u, potential.data.size)?;
+            self.refactorise_state(potential, u, state, options)?;
         }
         let direction = self.newton_direction(potential)?;
         let size = direction.size;
@@ -164,16 +166,46 @@ impl Newton {
                 // A shortened step means that the factor describes the energy badly here.
                 state.refactorise = !whole;
                 state.count_step(size);
-                if let Some(lowest) = state.watch_energy(u) {
-                    u.copy_from_slice(&lowest);
-                    state.energy = potential.energy(u, &mut self.gradient);
-                }
+                self.return_to_lowest(potential, u, state);
             }
             None if !fresh => state.refactorise = true,
-            None if globalisation == Globalisation::FullStep => return Err(NonConvergence::InvertedElement),
-            None => return Err(NonConvergence::LineSearchFailed { iterations: state.counts.iterations }),
+            None => return Err(step_failure(globalisation, state.counts.iterations)),
         }
         Ok(false)
+    }
+
+    fn check_interrupt(&self) -> Result<(), NonConvergence> {
+        match &self.interrupt {
+            Some(interrupted) if interrupted() => Err(NonConvergence::Interrupted),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns to the point of lowest energy where the watchdog ends the full steps.
+    fn return_to_lowest(&mut self, potential: &Potential, u: &mut [f64], state: &mut IterationState) {
+        if let Some(lowest) = state.watch_energy(u) {
+            u.copy_from_slice(&lowest);
+            state.energy = potential.energy(u, &mut self.gradient);
+        }
+    }
+
+    /// A new factorisation at `u`, counted in the state.
+    ///
+    /// # Errors
+    /// [`NonConvergence`] where none succeeds, or stability is lost.
+    fn refactorise_state(
+        &mut self,
+        potential: &Potential,
+        u: &[f64],
+        state: &mut IterationState,
+        options: &NewtonOptions,
+    ) -> Result<(), NonConvergence> {
+        let full_steps = state.globalisation == Globalisation::FullStep;
+        let previous = state.previous.as_deref().filter(|_| full_steps);
+        let first = options.predicted && state.counts.factorisations == 0;
+        let is_exact = self.refactorise(potential, u, previous, first)?;
+        state.count_factorisation(is_exact);
+        state.check_stability(u, potential.data.size)
     }
 
     /// Factorises the tangent at `u`, or the largest convex part of it; whether it was the tangent itself.
@@ -220,7 +252,7 @@ impl Newton {
         self.factor.compute(symbolic, &potential.data.pattern, &self.tangent, probe)?;
         self.factor_rank_one = RankOneUpdates::new(potential.rank_one_terms(u));
         let factor = &mut self.factor;
-        if self.factor_rank_one.prepare(|x| factor.solve(symbolic, x)) {
+        if self.factor_rank_one.prepare_solves(|x| factor.solve(symbolic, x)) {
             Ok(())
         } else {
             Err(FactorError::NotPositiveDefinite)
@@ -240,7 +272,7 @@ impl Newton {
         let dofs = &data.pattern.dof;
         self.rotation.iter().for_each(|rotation| rotation.apply(dofs, true, x));
         self.factor.solve(&data.symbolic, x);
-        self.factor_rank_one.correct(x);
+        self.factor_rank_one.correct_solution(x);
         self.rotation.iter().for_each(|rotation| rotation.apply(dofs, false, x));
     }
 

@@ -80,7 +80,7 @@ impl Training<'_> {
         // Of the candidates alone and in single precision: columns of all points of a tail of thin walls took a
         // gigabyte, and their least squares eleven minutes.
         let mut columns = NnlsColumns::new(sums.len(), candidates.len());
-        columns.each().zip(&candidates).for_each(|(column, &point)| {
+        columns.columns_mut().zip(&candidates).for_each(|(column, &point)| {
             let work = self.virtual_work(point);
             column.iter_mut().zip(work.iter().zip(&row_weights)).for_each(|(value, (w, by))| *value = (w * by) as f32);
         });
@@ -98,7 +98,8 @@ impl Training<'_> {
         let [shear, bulk] = point_shares(self.system, point);
         let mut work = Vec::with_capacity(self.row_count());
         for (q, moduli) in &self.shapes {
-            let (_, stress) = self.material.stress(&mode_deformation(&gradients, q), moduli.shared(shear, bulk));
+            let (_, stress) =
+                self.material.energy_and_stress(&mode_deformation(&gradients, q), moduli.shared(shear, bulk));
             let stress = SVector::<f64, 9>::from_column_slice(stress.as_slice());
             work.extend((gradients.tr_mul(&stress) * weight).iter());
         }

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, OMatrix};
 use super::acting::ActingRegion;
 use crate::assembly::elastic::Elastic;
 use materials::material::{Moduli, Tangent};
-use materials::symmetric::matrix;
+use materials::symmetric::full_tensor;
 use materials::tangent::{PointState, TangentKind};
 
 /// G, 9 × r: derivative of F by each coordinate, columns of F one below the other.
@@ -92,8 +92,8 @@ impl Points {
     pub(super) fn add_forces(&self, q: &DVector<f64>, acting: &ActingRegion, forces: &mut DVector<f64>) {
         for (point, (weight, gradients)) in self.weighted_gradients().enumerate() {
             let now = deformation_at_point(gradients, q);
-            let (_, mut stress) = self.elastic.material.stress(&now, acting.moduli);
-            acting.held.get(point).iter().for_each(|held| stress += now * matrix(held));
+            let (_, mut stress) = self.elastic.material.energy_and_stress(&now, acting.moduli);
+            acting.held.get(point).iter().for_each(|held| stress += now * full_tensor(held));
             add_point_force(&(stress * weight), gradients, forces.as_mut_slice());
         }
     }
@@ -119,7 +119,7 @@ impl Points {
             let image = &mut image[..gradients.len()];
             for ((point, (weight, gradients)), image) in block.iter().zip(image.chunks_exact_mut(9 * r)) {
                 let now = deformation_at_point(gradients, q);
-                let held = acting.held.get(*point).map(matrix);
+                let held = acting.held.get(*point).map(full_tensor);
                 let previous_gradient = |_: &[f64]| deformation_at_point(gradients, previous);
                 let (material, moduli) = (self.elastic.material, acting.moduli);
                 let state = PointState { material, moduli, F: &now, held: held.as_ref() };

@@ -102,7 +102,7 @@ impl ReducedModel {
         for points in self.points.iter().filter(|points| points.region == region) {
             let elastic = points.elastic();
             points.for_each_deformation(q, |deformation| {
-                densities.push(elastic.material.stress(deformation, elastic.moduli).0);
+                densities.push(elastic.material.energy_and_stress(deformation, elastic.moduli).0);
             });
         }
         densities

@@ -60,7 +60,7 @@ impl ReducedModel {
             moduli.mu += region.mu * region.gain();
             let held_stress = |tensors: &[Symmetric]| {
                 let mut held_stress = [0.0; 6];
-                add_scaled(&mut held_stress, region.mu, &region.held(tensors));
+                add_scaled(&mut held_stress, region.mu, &region.held_stress(tensors));
                 held_stress
             };
             ActingRegion { moduli, held: tensors.chunks_exact(1 + region.branches.len()).map(held_stress).collect() }
@@ -90,7 +90,7 @@ impl ReducedModel {
             let mut each = tensors.chunks_exact_mut(1 + region.branches.len());
             if !region.branches.is_empty() {
                 points.for_each_deformation(q, |gradient| {
-                    each.next().into_iter().for_each(|own| region.advance(own, region.stress(gradient)));
+                    each.next().into_iter().for_each(|own| region.advance_history(own, region.stress(gradient)));
                 });
             }
         }

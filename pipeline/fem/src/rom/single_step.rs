@@ -109,21 +109,24 @@ impl ReducedModel {
             gradient.dot(&lambda)
         };
         let by_scale = |region: usize| {
-            let only = |at: &DVector<f64>| {
-                let mut forces = DVector::zeros(q.len());
-                for points in self.points.iter().filter(|points| points.region == region) {
-                    let moduli = points.elastic().moduli;
-                    points.add_forces(at, &ActingRegion { moduli, held: Vec::new() }, &mut forces);
-                }
-                forces.dot(&lambda)
-            };
-            beta * gamma * only(q) - (1.0 + beta * gamma) * only(next)
+            let work = |at: &DVector<f64>| self.region_forces(region, at).dot(&lambda);
+            beta * gamma * work(q) - (1.0 + beta * gamma) * work(next)
         };
         Ok(ReducedStepGradient {
             pressures: self.chambers.iter().map(by_pressure).collect(),
             modulus_scale: (0..self.regions).map(by_scale).collect(),
             state: ReducedState { coordinates: by_q, velocity: momentum * gamma },
         })
+    }
+
+    /// The elastic forces of one region at `q`, by its moduli alone.
+    fn region_forces(&self, region: usize, q: &DVector<f64>) -> DVector<f64> {
+        let mut forces = DVector::zeros(q.len());
+        for points in self.points.iter().filter(|points| points.region == region) {
+            let moduli = points.elastic().moduli;
+            points.add_forces(q, &ActingRegion { moduli, held: Vec::new() }, &mut forces);
+        }
+        forces
     }
 
     /// The law of each region, its moduli multiplied by its scale and by `factor`.

@@ -266,7 +266,7 @@ impl Step<'_> {
     }
 
     /// `to`, or as much of the straight way from `from` to it as takes no wall through another.
-    pub fn admissible_shape(&self, from: &DVector<f64>, to: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn admissible_shape(&self, from: &DVector<f64>, to: &DVector<f64>) -> DVector<f64> {
         match self.admissible_part(from, &(from - to)) {
             1.0 => to.clone(),
             part => from.lerp(to, part),

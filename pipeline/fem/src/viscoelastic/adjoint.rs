@@ -8,7 +8,7 @@
 use crate::system_data::SystemData;
 use crate::viscoelastic::history::{HistoryStep, for_each_point};
 use materials::step::RegionStep;
-use materials::symmetric::{Symmetric, add_scaled, contract, symmetric};
+use materials::symmetric::{Symmetric, add_scaled, double_contraction, symmetric_part};
 
 /// What the steps after n hand back to it, point by point as in a history: −Σ aᵢ zᵢ,ₙ₊₁, then dᵢ zᵢ,ₙ₊₁ of each branch.
 #[derive(Debug, Clone)]
@@ -59,7 +59,7 @@ impl AdjointHistory {
             let histories = (step.before.of_point(point), step.now.of_point(point));
             let gradient = point.deformation(step.displacement);
             let virtual_gradient = point.displacement_gradient(lambda);
-            let mut work = symmetric(&(gradient.tr_mul(&virtual_gradient)));
+            let mut work = symmetric_part(&(gradient.tr_mul(&virtual_gradient)));
             work.iter_mut().for_each(|entry| *entry *= point.weight);
             let point_tensors = &mut self.tensors[point.own.clone()];
             step_point_back(region, point_tensors, (histories, &work), &mut sums[point.region]);
@@ -81,8 +81,8 @@ fn step_point_back(
         let z = &mut handed[1 + number];
         add_scaled(z, -region.mu, work);
         add_scaled(&mut gained, branch.gain, z);
-        sums.by_mu -= contract(work, &now[1 + number]);
-        let (by_decay, by_gain) = (contract(z, &before[1 + number]), contract(z, &change));
+        sums.by_mu -= double_contraction(work, &now[1 + number]);
+        let (by_decay, by_gain) = (double_contraction(z, &before[1 + number]), double_contraction(z, &change));
         let [decay_by_time, gain_by_time] = branch.by_time();
         let [strength, time] = &mut sums.by_branch[number];
         *strength += by_gain * branch.gain_by_strength();

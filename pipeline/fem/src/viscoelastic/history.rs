@@ -95,7 +95,7 @@ impl History {
     pub(crate) fn advanced(&self, data: &SystemData, regions: &[RegionStep], u: &[f64]) -> Self {
         let mut next = self.clone();
         for_each_point(data, regions, |point, region| {
-            region.advance(&mut next.tensors[point.own.clone()], region.stress(&point.deformation(u)));
+            region.advance_history(&mut next.tensors[point.own.clone()], region.stress(&point.deformation(u)));
         });
         next
     }

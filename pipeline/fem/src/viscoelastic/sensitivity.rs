@@ -5,7 +5,7 @@ use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
 use crate::viscoelastic::history::{HistoryStep, Point, for_each_point};
 use materials::step::RegionStep;
-use materials::symmetric::{Symmetric, add_scaled, matrix};
+use materials::symmetric::{Symmetric, add_scaled, full_tensor};
 use si::Pascal;
 
 /// The derivatives of one region's numbers by a parameter.
@@ -82,7 +82,7 @@ impl HistorySensitivity {
         for_each_point(step.data, step.regions, |point, region| {
             let (before, now) = (step.before.of_point(point), step.now.of_point(point));
             let gradient = point.deformation(step.displacement);
-            let mut held_stress = region.held(&self.tensors[point.own.clone()]);
+            let mut held_stress = region.held_stress(&self.tensors[point.own.clone()]);
             for (branch, direction) in
                 (0..region.branches.len()).flat_map(|branch| direction.map(|direction| (branch, direction)))
             {
@@ -91,7 +91,7 @@ impl HistorySensitivity {
             held_stress.iter_mut().for_each(|entry| *entry *= region.mu);
             let mu = direction.map_or(0.0, |direction| direction.mu_at(point));
             now[1..].iter().for_each(|overstress| add_scaled(&mut held_stress, mu, overstress));
-            point.add_force(&(gradient * matrix(&held_stress)), point.weight, derivative);
+            point.add_force(&(gradient * full_tensor(&held_stress)), point.weight, derivative);
         });
     }
 
@@ -102,7 +102,7 @@ impl HistorySensitivity {
             let gradient = point.deformation(step.displacement);
             let change = point.displacement_gradient(du);
             let point_tensors = &mut self.tensors[point.own.clone()];
-            region.advance(point_tensors, region.stress_change(&gradient, &change));
+            region.advance_history(point_tensors, region.stress_change(&gradient, &change));
             for (number, overstress) in point_tensors[1..].iter_mut().enumerate() {
                 direction
                     .iter()

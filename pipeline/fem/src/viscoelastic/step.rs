@@ -34,7 +34,7 @@ impl ActingStress {
         }
         let mut held_stress = vec![[0.0; 6]; data.reference.weights.len()];
         for_each_point(data, regions, |point, region| {
-            add_scaled(&mut held_stress[point.number], region.mu, &region.held(history.of_point(point)));
+            add_scaled(&mut held_stress[point.number], region.mu, &region.held_stress(history.of_point(point)));
         });
         Self { elastic: acting, held: held_stress }
     }

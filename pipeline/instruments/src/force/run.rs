@@ -7,7 +7,7 @@
 use si::{Hertz, Newton, Second, Series};
 use signal::crosstalk::CrossTalk;
 use signal::resample::Samples;
-use signal::wave::{self, Beat, Removal, Wave};
+use signal::wave::{self, Beat, Removal, Separated, Wave};
 use signal::zero::{Zero, ZeroLine};
 
 use super::page::{Recording, Settings};
@@ -61,43 +61,23 @@ pub(super) fn evaluate_run(
     settings: &Settings,
 ) -> Result<Run> {
     let frequency = recording.frequency.unwrap_or(1.0);
-    let [first, last] = recording.seconds.or_else(|| log.pressed_interval()).ok_or_else(|| no_pressure(recording))?;
-    let first = first.max(log.force.start());
-    let last = last.min(log.force.end());
-    if first >= last {
-        return Err(outside_log(recording, log));
-    }
+    let [first, last] = run_interval(recording, log)?;
     check_frequency(recording, &log.pressures, [first, last])?;
     // A harmonic at half the sampling rate or beyond is another's alias.
     let resolved = (0.5 * log.force.rate() / frequency * (1.0 - 1e-9)) as usize;
     let beat = Beat { frequency, harmonics: settings.harmonics.min(resolved), within: [first, last] };
-    let removal = Removal { onsets: &[log.force.start()], beat: Some(beat), drift_degree: 2 };
-    let separated = wave::remove(&log.force, &corrections.waves, &removal)
-        .map_err(|e| Diagnostic::from(e).while_doing(&recording.id))?;
+    let separated = separate_waves(recording, log, &corrections.waves, beat)?;
     let ZeroLine { values: zero, sigma, change } =
         Zero { moves: [first, last], settling: settings.settling_time }.of(&separated.rest);
-    let crosstalk_at =
-        |i: usize| corrections.talk.as_ref().map_or(0.0, |talk| talk.of(&log.pressures, log.force.time(i)));
-    let series = |value: &dyn Fn(usize) -> f64| {
-        let values = (0..log.force.values().len()).map(value).collect();
-        Series::new(log.force.start(), log.force.rate(), values)
-    };
-    let level = series(&|i| separated.rest.values()[i] - zero[i])?;
-    let force = series(&|i| level.values()[i] - crosstalk_at(i))?;
+    let talk = corrections.talk.as_ref();
+    let [level, force] = corrected_series(log, (&separated.rest, &zero), talk)?;
     let start = first + settings.settling_cycles / frequency;
-    let cycles = ((last - start) * frequency + 1e-6).floor().max(0.0) as usize;
-    if cycles < FEWEST {
-        return Err(too_short(recording, cycles));
-    }
+    let cycles = whole_cycles(recording, (last - start) * frequency)?;
     let means_of = |signal: &Series| cycle_means(signal, start, (frequency, cycles));
     let (means, raw) = (means_of(&force), mean_value(&means_of(&level)));
-    let length = log.force.end() - log.force.start();
-    let crosstalk = corrections.talk.as_ref().map(|_| raw - mean_value(&means));
-    // The curve is uncertain by its noise at the last knot, and in proportion below.
-    let talk_sigma =
-        |talk: &CrossTalk| talk.sigma * crosstalk.unwrap_or(0.0) / talk.forces.last().copied().unwrap_or(1.0).max(1e-9);
-    let common_sigma = sigma.hypot(corrections.talk.as_ref().map_or(0.0, talk_sigma));
-    let close = wave::close_harmonics(frequency, 4, &corrections.waves, length);
+    let crosstalk = talk.map(|_| raw - mean_value(&means));
+    let common_sigma = sigma.hypot(talk.map_or(0.0, |talk| talk_sigma(talk, crosstalk.unwrap_or(0.0))));
+    let close = wave::close_harmonics(frequency, 4, &corrections.waves, log.force.end() - log.force.start());
     Ok(Run {
         id: recording.id.clone(),
         frequency,
@@ -112,6 +92,44 @@ pub(super) fn evaluate_run(
         warnings: close.iter().map(ToString::to_string).collect(),
         force,
     })
+}
+
+/// First and last time of the run within its log, s.
+fn run_interval(recording: &Recording, log: &Recorded) -> Result<[Second; 2]> {
+    let [first, last] = recording.seconds.or_else(|| log.pressed_interval()).ok_or_else(|| no_pressure(recording))?;
+    let first = first.max(log.force.start());
+    let last = last.min(log.force.end());
+    if first >= last { Err(outside_log(recording, log)) } else { Ok([first, last]) }
+}
+
+/// The waves of a run, and the rest of its log, in which the `beat` stays.
+fn separate_waves(recording: &Recording, log: &Recorded, waves: &[Wave], beat: Beat) -> Result<Separated> {
+    let removal = Removal { onsets: &[log.force.start()], beat: Some(beat), drift_degree: 2 };
+    wave::remove(&log.force, waves, &removal).map_err(|e| Diagnostic::from(e).while_doing(&recording.id))
+}
+
+/// The whole cycles of some that have begun, enough for an interval.
+fn whole_cycles(recording: &Recording, begun: f64) -> Result<usize> {
+    let cycles = (begun + 1e-6).floor().max(0.0) as usize;
+    if cycles < FEWEST { Err(too_short(recording, cycles)) } else { Ok(cycles) }
+}
+
+/// The force without waves (`rest`, N) less its zero, and less the cross-talk too.
+fn corrected_series(log: &Recorded, (rest, zero): (&Series, &[f64]), talk: Option<&CrossTalk>) -> Result<[Series; 2]> {
+    let crosstalk_at = |i: usize| talk.map_or(0.0, |talk| talk.of(&log.pressures, log.force.time(i)));
+    let series = |value: &dyn Fn(usize) -> f64| {
+        let values = (0..log.force.values().len()).map(value).collect();
+        Series::new(log.force.start(), log.force.rate(), values)
+    };
+    let level = series(&|i| rest.values()[i] - zero[i])?;
+    let force = series(&|i| level.values()[i] - crosstalk_at(i))?;
+    Ok([level, force])
+}
+
+/// Standard deviation of a mean cross-talk, N: the curve is uncertain by its noise at the last knot, and in proportion
+/// below.
+fn talk_sigma(talk: &CrossTalk, crosstalk: Newton) -> Newton {
+    talk.sigma * crosstalk / talk.forces.last().copied().unwrap_or(1.0).max(1e-9)
 }
 
 /// Share by which the frequency on the page and that of the pressures may differ: over a run the cut of cycles stays within a tenth of one.

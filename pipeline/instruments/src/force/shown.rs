@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::Report;
 use super::run::Run;
+use signal::crosstalk::CrossTalk;
 
 /// Writes `force.csv`, `force.json` and `force.svg`.
 ///
@@ -101,34 +102,39 @@ impl fmt::Display for Report {
             )?;
         }
         if let Some(talk) = &self.talk {
-            let ([low, high], largest_force) = (talk.lag_interval, talk.forces.last().copied().unwrap_or(0.0));
-            let qualifier = if self.page.log.force_lag.is_some() { " beyond that of the page" } else { "" };
-            writeln!(
-                f,
-                "cross-talk: up to {:.1} mN; lag{qualifier} {:.3} s ({low:.3} to {high:.3})",
-                1e3 * largest_force,
-                talk.lag
-            )?;
+            write_crosstalk(f, talk, self.page.log.force_lag.is_some())?;
         }
-        for run in &self.runs {
-            let ([low, high], drift) =
-                (run.interval, run.drift.map_or("unknown".to_owned(), |d| format!("{:+.1} mN", 1e3 * d)));
-            let talk = run.crosstalk.map_or("not known".to_owned(), |t| format!("{:.1} mN", 1e3 * t));
-            writeln!(
-                f,
-                "{:<14} {} Hz, {} cycles: {:.2} mN (95 % {:.2} to {:.2}); raw {:.2} mN, cross-talk {talk}, zero drift {drift}",
-                run.id,
-                run.frequency,
-                run.cycles,
-                1e3 * run.mean,
-                1e3 * low,
-                1e3 * high,
-                1e3 * run.raw
-            )?;
-            run.warnings.iter().try_for_each(|warning| writeln!(f, "    {warning}"))?;
-        }
-        Ok(())
+        self.runs.iter().try_for_each(|run| write_run(f, run))
     }
+}
+
+fn write_crosstalk(f: &mut fmt::Formatter<'_>, talk: &CrossTalk, is_beyond_page: bool) -> fmt::Result {
+    let ([low, high], largest_force) = (talk.lag_interval, talk.forces.last().copied().unwrap_or(0.0));
+    let qualifier = if is_beyond_page { " beyond that of the page" } else { "" };
+    writeln!(
+        f,
+        "cross-talk: up to {:.1} mN; lag{qualifier} {:.3} s ({low:.3} to {high:.3})",
+        1e3 * largest_force,
+        talk.lag
+    )
+}
+
+fn write_run(f: &mut fmt::Formatter<'_>, run: &Run) -> fmt::Result {
+    let ([low, high], drift) =
+        (run.interval, run.drift.map_or("unknown".to_owned(), |d| format!("{:+.1} mN", 1e3 * d)));
+    let talk = run.crosstalk.map_or("not known".to_owned(), |t| format!("{:.1} mN", 1e3 * t));
+    writeln!(
+        f,
+        "{:<14} {} Hz, {} cycles: {:.2} mN (95 % {:.2} to {:.2}); raw {:.2} mN, cross-talk {talk}, zero drift {drift}",
+        run.id,
+        run.frequency,
+        run.cycles,
+        1e3 * run.mean,
+        1e3 * low,
+        1e3 * high,
+        1e3 * run.raw
+    )?;
+    run.warnings.iter().try_for_each(|warning| writeln!(f, "    {warning}"))
 }
 
 /// The corrected force of the first run over time, and every run's mean with its interval.

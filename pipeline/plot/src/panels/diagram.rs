@@ -193,11 +193,7 @@ impl Sheet {
                 parts::filled_box(canvas, area, *fill, parts::LINE);
                 parts::card_text(canvas, area, title, text);
             }
-            Part::Dimension { from, to, text, side } => {
-                parts::draw_dimension(canvas, self.page_place(*from), self.page_place(*to));
-                let ([a, b], [c, d]) = (self.page_place(*from), self.page_place(*to));
-                canvas.draw_text(moved_aside(TextItem::new([0.5 * (a + c), 0.5 * (b + d)], text, NORMAL).side(*side)));
-            }
+            Part::Dimension { from, to, text, side } => self.draw_dimension(canvas, [*from, *to], text, *side),
             Part::Inset { at, size, panel } => {
                 panel.as_draw().draw_panel(canvas, self.page_area(*at, *size), LegendPlacement::Inside)?;
             }
@@ -215,28 +211,37 @@ impl Sheet {
                 canvas.draw_path(self.page_places(points), *width, *dash, *colour)
             }
             Part::Polygon { points, fill } => self.draw_polygon(canvas, points, *fill),
-            Part::Disc { at, radius, fill } => {
-                let (at, radius) = (self.page_place(*at), self.zoom * radius);
-                canvas.items.push(Item::Disc { at, radius, line: None, colour: *fill, opacity: 1.0 });
-                canvas.items.push(Item::Disc { at, radius, line: Some(0.6), colour: palette::BLACK, opacity: 1.0 });
-            }
+            Part::Disc { at, radius, fill } => self.draw_disc(canvas, *at, *radius, *fill),
             Part::Spring { from, to } => {
                 let line = symbols::spring_line(self.page_place(*from), self.page_place(*to), 5, 4.0);
                 canvas.draw_path(line, LINE, Dash::Solid, palette::BLACK);
             }
-            Part::Damper { from, to } => {
-                for line in symbols::damper_lines(self.page_place(*from), self.page_place(*to), 5.0) {
-                    canvas.draw_path(line, LINE, Dash::Solid, palette::BLACK);
-                }
-            }
+            Part::Damper { from, to } => self.draw_damper(canvas, *from, *to),
             Part::Wall { from, to } => self.draw_wall(canvas, *from, *to),
             Part::Text { at, text, side, colour } => {
-                canvas.draw_text(moved_aside(
-                    TextItem::new(self.page_place(*at), text, NORMAL).side(*side).colour(*colour),
-                ));
+                let item = TextItem::new(self.page_place(*at), text, NORMAL).side(*side).colour(*colour);
+                canvas.draw_text(moved_aside(item));
             }
         }
         Ok(())
+    }
+
+    fn draw_dimension(&self, canvas: &mut Canvas, ends: [Point2; 2], text: &str, side: Side) {
+        let [[a, b], [c, d]] = ends.map(|end| self.page_place(end));
+        parts::draw_dimension(canvas, [a, b], [c, d]);
+        canvas.draw_text(moved_aside(TextItem::new([0.5 * (a + c), 0.5 * (b + d)], text, NORMAL).side(side)));
+    }
+
+    fn draw_disc(&self, canvas: &mut Canvas, at: Point2, radius: f64, fill: Colour) {
+        let (at, radius) = (self.page_place(at), self.zoom * radius);
+        canvas.items.push(Item::Disc { at, radius, line: None, colour: fill, opacity: 1.0 });
+        canvas.items.push(Item::Disc { at, radius, line: Some(0.6), colour: palette::BLACK, opacity: 1.0 });
+    }
+
+    fn draw_damper(&self, canvas: &mut Canvas, from: Point2, to: Point2) {
+        for line in symbols::damper_lines(self.page_place(from), self.page_place(to), 5.0) {
+            canvas.draw_path(line, LINE, Dash::Solid, palette::BLACK);
+        }
     }
 
     /// Draws an arrow and returns the middle of its middle segment.

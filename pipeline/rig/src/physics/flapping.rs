@@ -154,6 +154,20 @@ impl<'a> FlappingModel<'a> {
             stiffening: &[],
             actuation: &actuation,
         };
+        let observed = self
+            .observe_motion((reduced, conditions.fluid), &motion, count)
+            .map_err(|e| Diagnostic::from(e).while_doing(format!("motion between {start:.3} s and {end:.3} s")))?;
+        let pulls = self.holder_forces(&observed.velocities, &observed.forces, 1.0 / step);
+        Ok(FlappingMotion { model: self, start, rate: 1.0 / step, shapes: observed.shapes, pulls })
+    }
+
+    /// The motion of a reduced model from rest over `count` steps, in a fluid or in air.
+    fn observe_motion(
+        &self,
+        (reduced, fluid): (&fem::ReducedModel, Option<Fluid>),
+        motion: &ReducedMotion,
+        count: usize,
+    ) -> std::result::Result<ObservedMotion, fem::ReducedError> {
         let r = self.reduced.coordinates();
         let (mut shapes, mut velocities) = (vec![DVector::zeros(r)], vec![DVector::zeros(r)]);
         // a step that is halved accepts more forces than are observed
@@ -163,17 +177,14 @@ impl<'a> FlappingModel<'a> {
             velocities.push(v.clone());
             forces.push(last.get());
         };
-        let integrated = match conditions.fluid {
-            None => reduced.integrate(&motion, &mut NoForce, count, &mut observe),
+        match fluid {
+            None => reduced.integrate(motion, &mut NoForce, count, &mut observe),
             Some(fluid) => {
                 let mut water = ObservedWater { water: self.water_at_rest(fluid), last: &last };
-                reduced.integrate(&motion, &mut water, count, &mut observe)
+                reduced.integrate(motion, &mut water, count, &mut observe)
             }
-        };
-        integrated
-            .map_err(|e| Diagnostic::from(e).while_doing(format!("motion between {start:.3} s and {end:.3} s")))?;
-        let pulls = self.holder_forces(&velocities, &forces, 1.0 / step);
-        Ok(FlappingMotion { model: self, start, rate: 1.0 / step, shapes, pulls })
+        }?;
+        Ok(ObservedMotion { shapes, velocities, forces })
     }
 
     /// The model after cycles up to `pressure` (Pa) on either side; `pressures` are those of its sweeps.
@@ -234,6 +245,13 @@ fn reduced_equilibria(
         solution.map_err(|e| Diagnostic::from(e).while_doing(doing()))
     };
     sweep.pressures.iter().zip(&sweep.shapes).map(equilibrium).collect()
+}
+
+/// Coordinates, velocities and forces of the fluid at the ends of steps, the start included.
+struct ObservedMotion {
+    shapes: Vec<DVector<f64>>,
+    velocities: Vec<DVector<f64>>,
+    forces: Vec<WaterForce>,
 }
 
 /// Water whose force at the end of the last step is kept.

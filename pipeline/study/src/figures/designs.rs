@@ -53,13 +53,13 @@ fn common_window<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> [Point3; 2] {
 }
 
 fn design_panel(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed {
-    let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
+    let lower = Surfaces::lower_half(&mesh.solid, &mesh.solid.nodes);
     let silicone = silicone_colour(&specimen.card);
     let painted = |bounds: Bounds| match bounds {
         Bounds::Body | Bounds::CutBody => Some(Paint::Solid(silicone)),
         other => other.painted(),
     };
-    let scene = lower.onto(Scene::new(super::CUT_VIEW), painted);
+    let scene = lower.add_to(Scene::new(super::CUT_VIEW), painted);
     // all corners of the box count, not two alone: the view rotates it
     let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
     let rim = (0..8).map(corner).collect();

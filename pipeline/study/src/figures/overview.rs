@@ -131,7 +131,7 @@ fn film_picture(example: &ExampleFrames) -> Picture {
 fn inflated_scene(mesh: &Mesh, inflation: &Inflation) -> Option<Scene> {
     let shape = inflation.filmed.and_then(|i| inflation.shapes.get(i)).or(inflation.shapes.last())?;
     let surfaces = Surfaces::whole(&mesh.solid, &inflation.moved(mesh, shape));
-    Some(surfaces.onto(Scene::new(View::TOP), Bounds::painted))
+    Some(surfaces.add_to(Scene::new(View::TOP), Bounds::painted))
 }
 
 /// Places of the markers at every level, measured and simulated, mm.

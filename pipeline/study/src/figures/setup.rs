@@ -118,7 +118,7 @@ fn tail_silhouette(bench: &Bench, from: Point2) -> Part {
     };
     let ([x0, x1], [z0, z1]) = (ends(0), ends(2));
     let scene =
-        surfaces.onto(Scene::new(View::SIDE), |b| b.painted().filter(|_| matches!(b, Bounds::Body | Bounds::Sheet)));
+        surfaces.add_to(Scene::new(View::SIDE), |b| b.painted().filter(|_| matches!(b, Bounds::Body | Bounds::Sheet)));
     let scene = scene.with_window([x0, 0.0, z0], [x1, 0.0, z1]);
     let centre = [from[0] + 0.5 * in_mm(x0 + x1), from[1] + 0.5 * in_mm(z0 + z1)];
     Part::Inset { at: centre, size: [in_mm(x1 - x0), in_mm(z1 - z0)], panel: Box::new(Panel::Scene(scene)) }
@@ -194,7 +194,7 @@ fn with_tank(d: Diagram, tank: &FilledTank, on_sheet: &dyn Fn(f64, f64) -> Point
 /// Two rays from the camera to the ends of its view of the plane, in air.
 fn with_field_of_view(mut d: Diagram, bench: &Bench, on_sheet: &dyn Fn(f64, f64) -> Point2) -> Diagram {
     let (eye, height) = (bench.camera.pose.centre(), bench.filmed.plane.height);
-    let field = bench.camera.field(height);
+    let field = bench.camera.visible_field(height);
     let ends = [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| field.iter().map(|p| p[0]).reduce(pick));
     for x in ends.into_iter().flatten() {
         d = d.with(line_part(

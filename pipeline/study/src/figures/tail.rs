@@ -75,8 +75,8 @@ fn shape_to_draw(inflation: &Inflation) -> Option<&Shape> {
 }
 
 fn cut_scene(mesh: &Mesh) -> Scene {
-    let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
-    lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted).with_scale_bar(20.0 * MILLIMETRE)
+    let lower = Surfaces::lower_half(&mesh.solid, &mesh.solid.nodes);
+    lower.add_to(Scene::new(super::CUT_VIEW), Bounds::painted).with_scale_bar(20.0 * MILLIMETRE)
 }
 
 fn inflated_scene(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
@@ -84,7 +84,7 @@ fn inflated_scene(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
     let outside = |bounds: Bounds| matches!(bounds, Bounds::Body | Bounds::Sheet).then(|| bounds.painted()).flatten();
     let markers: Vec<Point3> = mesh.markers.iter().map(|spot| spot.at(&nodes)).collect();
     Surfaces::whole(&mesh.solid, &nodes)
-        .onto(Scene::new(ABOVE), outside)
+        .add_to(Scene::new(ABOVE), outside)
         .with_overlay(markers, OverlayKind::Markers(Marker::Disc), palette::BLACK, 4.0)
         .with_scale_bar(20.0 * MILLIMETRE)
 }
@@ -106,14 +106,14 @@ fn filmed_picture(example: &ExampleFrames) -> Placed {
 fn section_scene(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
     let nodes = inflation.moved(mesh, shape);
     let cut = |bounds: Bounds| bounds.is_cut().then(|| bounds.colour());
-    let undeformed = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
+    let undeformed = Surfaces::lower_half(&mesh.solid, &mesh.solid.nodes);
     let flatten = |s: &mut Surfaces, height: f64| s.points.iter_mut().for_each(|p| p[2] = height);
-    let (mut undeformed, mut inflated) = (undeformed, Surfaces::lower(&mesh.solid, &nodes));
+    let (mut undeformed, mut inflated) = (undeformed, Surfaces::lower_half(&mesh.solid, &nodes));
     flatten(&mut undeformed, -1e-3);
     flatten(&mut inflated, 0.0);
     let faint = |b: Bounds| cut(b).map(|c| Paint::Solid(c.towards(palette::PAPER, 0.75)));
-    let scene = undeformed.onto(Scene::new(ABOVE), faint);
-    inflated.onto(scene, |b| cut(b).map(Paint::Solid)).with_scale_bar(20.0 * MILLIMETRE)
+    let scene = undeformed.add_to(Scene::new(ABOVE), faint);
+    inflated.add_to(scene, |b| cut(b).map(Paint::Solid)).with_scale_bar(20.0 * MILLIMETRE)
 }
 
 fn section_title(shape: &Shape) -> String {

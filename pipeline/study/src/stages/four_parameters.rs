@@ -58,7 +58,7 @@ impl Stage for FourParameters {
         let rest_positions = identified.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
         let mut model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &rest_positions);
         model.nominal = Elastic { youngs_moduli: model.nominal.youngs_moduli.clone(), ..identified.elastic(&model) };
-        let levels = Misfit::kept(&identified.levels, &identified.noise, identified.length)?;
+        let levels = Misfit::of_record(&identified.levels, &identified.noise, identified.length)?;
         let search = search_problem(card, set, &model)?;
         let fit = Fit { set, model: &model, levels: &levels };
         let (best, losses) = fit.certified_search(&search, context)?;

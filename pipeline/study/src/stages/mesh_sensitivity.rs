@@ -78,7 +78,7 @@ impl Stage for MeshSensitivity {
         let meshes: Vec<Cells> = meshes.collect();
         let films = IdentifiedFilms { card, set, identified: &identified };
         let row = |(number, cells): (usize, &Cells)| {
-            context.progress(number as f64 / meshes.len() as f64, &cells.size());
+            context.progress(number as f64 / meshes.len() as f64, &cells.size_text());
             films.result_on(cells, context)
         };
         let rows = meshes.iter().enumerate().map(row).collect::<Result<_>>()?;
@@ -105,7 +105,7 @@ impl IdentifiedFilms<'_> {
                 (mesh::with_finer_cells(&card.mesh, (set.edges[0], *finer), context)?, identified.clone())
             }
         };
-        let levels = Misfit::kept(&identified.levels, &identified.noise, identified.length)?;
+        let levels = Misfit::of_record(&identified.levels, &identified.noise, identified.length)?;
         let model = model_on_mesh(&card.body, &other_mesh, cells.nodes(), &identified)?;
         let dofs = 3 * model.system.mesh().nodes.len();
         let locks = matches!(cells, Cells::Tetrahedra { .. });
@@ -119,7 +119,7 @@ fn model_on_mesh(body: &Body, mesh: &Mesh, nodes: usize, identified: &Identified
     let solid = if nodes == 4 { Solid::Linear(quadratic.to_linear()) } else { quadratic };
     let rest_positions = identified.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
     let spots = body.markers.iter().zip(&rest_positions).map(|(m, at)| solid.embed([at[0], at[1], m[2]]).0);
-    Model::new(&solid, Attached { chambers: &mesh.skins(), clamped: &[] }, spots.collect(), body)
+    Model::new(&solid, Attached { chambers: &mesh.skin_codes(), clamped: &[] }, spots.collect(), body)
 }
 
 fn moduli_at(identified: &Identified, point: &[f64]) -> Moduli {

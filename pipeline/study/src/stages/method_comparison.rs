@@ -187,7 +187,7 @@ fn identification_loss<'a>(body: &'a Body, mesh: &'a Mesh, identified: &Identifi
     let rest_positions = identified.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
     let mut model = mesh.model(body)?.with_markers_at(&mesh.solid, body, &rest_positions);
     model.nominal.stiffening = identified.elastic(&model).stiffening;
-    let misfit = Misfit::kept(&identified.levels, &identified.noise, identified.length)?;
+    let misfit = Misfit::of_record(&identified.levels, &identified.noise, identified.length)?;
     Ok(Loss { body, model, misfit, gauge: WallGauge::new(mesh).of_levels() })
 }
 

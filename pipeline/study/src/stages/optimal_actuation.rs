@@ -19,7 +19,7 @@ use ::thrust::models::linear::Weighted;
 use ::thrust::optimal_waveform::OptimalWaveforms;
 use ::thrust::outline::Outline;
 use ::thrust::real_time::{Surroundings, twin_data};
-use ::thrust::square_wave_search::{ActuationPoint, Best, Search, best_recorded, check, highest};
+use ::thrust::square_wave_search::{ActuationPoint, Best, Search, best_recorded, check, highest_pressure};
 use ::thrust::waveform::Valve;
 use ::thrust::waveform_thrust::WaveformModel;
 use ::thrust::{Fitted, Run, ThrustModel};
@@ -94,7 +94,7 @@ impl Stage for OptimalActuation {
         let (wet, spots) = outline.whole(thrust.density, thrust.sections)?;
         let model = mesh.model(&card.body)?.with_spots(spots);
         let reduced_body = ReducedBody::of(&model, &relaxation.silicone(&model, &identified)?, &reduced.data)?;
-        let tail = outline.marked(thrust.density, thrust.sections)?;
+        let tail = outline.marker_tail(thrust.density, thrust.sections)?;
         let stations: Vec<usize> = (card.body.markers.len()..reduced_body.markers()).collect();
         let (rows, stations) = (reduced_body.rows(&card.body.markers_by_x()), reduced_body.rows(&stations));
         let flapping = FlappingModel {
@@ -190,7 +190,7 @@ fn search_limits(runs: &[Run], identified: &Identified, iterations: usize) -> Re
     let highest_of = |property: fn(&Run) -> f64| runs.iter().map(property).fold(0.0, f64::max);
     let slowest = runs.iter().map(|r| r.frequency).fold(f64::INFINITY, f64::min);
     let highest_identified = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-    let amplitude = highest_of(highest).min(highest_identified);
+    let amplitude = highest_of(highest_pressure).min(highest_identified);
     if amplitude <= 0.0 || !slowest.is_finite() {
         return Err(Diagnostic::new(
             "there is no actuation to optimise",

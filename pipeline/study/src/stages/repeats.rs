@@ -6,7 +6,7 @@ use signal::resample::Samples;
 use super::simulation;
 use diagnostics::{Diagnostic, Result};
 use records::Motion;
-use sysid::actuated::onto;
+use sysid::actuated::resample_path;
 
 /// Mean and deviation of the repeats of one experiment.
 pub struct AlignedRepeats {
@@ -42,7 +42,7 @@ pub(crate) fn align_repeats(films: &[Motion], marker: usize) -> Result<AlignedRe
             let coordinate = film.markers[marker].at.iter().map(|p| p[k]).collect();
             Samples::new(film.time.clone(), coordinate).map_err(Diagnostic::from)
         };
-        paths.push(onto(&[axis(0)?, axis(1)?], &frame_times));
+        paths.push(resample_path(&[axis(0)?, axis(1)?], &frame_times));
     }
     let (mean, deviation) = (0..time.len()).map(|i| mean_and_deviation(&paths, i)).unzip();
     Ok(AlignedRepeats { gauges: mean_gauges(films, &late)?, moves: *begin, time, mean, deviation })

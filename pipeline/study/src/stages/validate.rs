@@ -24,7 +24,7 @@ use diagnostics::{Diagnostic, Result};
 use records::selections::{InWater, Repeats};
 use records::subject::Trial;
 use records::{Drag, Identified, Interval, Mesh, Motion, PAPER_MODEL, Reduced, Relaxation, ScoredModel, Validation};
-use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, filmed, lag};
+use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, exposed_path, lateral_lag};
 use sysid::{Body, ReducedBody};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -189,7 +189,7 @@ impl Prediction<'_> {
         for (name, body, settings, wet) in models {
             let coefficients = self.water.filter(|_| wet).map(|(drag, _)| drag.by);
             let path = self.simulated_path(body, &settings, coefficients, &self.actuation())?;
-            let filmed_path = filmed(&path, &self.repeats.time, self.set.exposure);
+            let filmed_path = exposed_path(&path, &self.repeats.time, self.set.exposure);
             scored.push(ScoredModel { name: name.into(), rmse: repeats::rms(&self.repeats.mean, &filmed_path) });
             paths.push(path);
             all_filmed.push(filmed_path);
@@ -250,7 +250,7 @@ impl Prediction<'_> {
         Validation {
             marker: films.first().map(|m| m.markers[marker].name.clone()).unwrap_or_default(),
             repeats: films.len(),
-            lag: card.frequency.map(|f| lag(&compared.time, &compared.mean, &simulated, f)),
+            lag: card.frequency.map(|f| lateral_lag(&compared.time, &compared.mean, &simulated, f)),
             rmse: scored[0].rmse,
             amplitude,
             length: card.body.length,
@@ -281,7 +281,8 @@ fn reduction_error(
     actuation: &Actuation,
 ) -> Result<(f64, Option<Metre>)> {
     let twin = real_time::path((reduced_body, None), simulation.marker, settings.step, actuation)?;
-    let (full, reduced) = (simulation.whole(settings, actuation)?, simulation.run(reduced_body, settings, actuation)?);
+    let (full, reduced) =
+        (simulation.run_full_model(settings, actuation)?, simulation.run(reduced_body, settings, actuation)?);
     let steps = full[0].values().len();
     let path = |[x, y]: &[Samples; 2]| (0..steps).map(|i| [x.values()[i], y.values()[i]]).collect::<Vec<Point2>>();
     let (full, reduced, twin) = (path(&full), path(&reduced), twin.map(|twin| path(&twin)));

@@ -49,7 +49,7 @@ fn quantity_row(kind: &Counted, specimens: usize) -> Vec<String> {
     let mut cells = vec![kind.title.clone(), kind.errors.len().to_string()];
     cells.push(if kind.sigma.is_nan() { String::new() } else { format!("{:.1}", 100.0 * kind.sigma) });
     for (_, half) in HALF_WIDTHS {
-        let (share, [low, high]) = kind.share(half, specimens);
+        let (share, [low, high]) = kind.covered_share(half, specimens);
         cells.extend([format!("{:.0}", 100.0 * share), format!("{:.0} to {:.0}", 100.0 * low, 100.0 * high)]);
     }
     cells.push(format!("{:+.2}", kind.errors.iter().sum::<f64>() / kind.errors.len().max(1) as f64));

@@ -42,7 +42,7 @@ impl Table for MeshSensitivity {
 fn mesh_row(specimen: &str, r: &MeshResult) -> Vec<String> {
     vec![
         specimen.to_owned(),
-        r.cells.size(),
+        r.cells.size_text(),
         r.cells.nodes().to_string(),
         r.dofs.to_string(),
         format!("{:.4}", 1e-6 * r.at[0]),

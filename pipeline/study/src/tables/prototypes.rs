@@ -66,7 +66,7 @@ fn specimen_row(specimen: &Specimen, identified: &Identified, mesh: Option<&Mesh
 
 /// Cells of the first chamber; 0 where there is none.
 fn cells_a_side(mesh: &Mesh) -> usize {
-    mesh.chambers.first().map_or(0, |chamber| sysid::cells(&mesh.solid, chamber.skin))
+    mesh.chambers.first().map_or(0, |chamber| sysid::count_cells(&mesh.solid, chamber.skin))
 }
 
 /// The highest commanded pressure of the trials, mbar.

@@ -57,7 +57,7 @@ impl Discrepancy {
                 action,
             ));
         }
-        let raw = misfit.raw(white, parameters)?;
+        let raw = misfit.unwhiten_residuals(white, parameters)?;
         let rows = raw.values.len();
         let of_prior =
             Residuals { values: white.values[rows..].to_vec(), jacobian: white.jacobian[rows * parameters..].to_vec() };
@@ -109,7 +109,7 @@ pub(super) mod testing {
     use rand_chacha::rand_core::Rng;
 
     /// A normal number.
-    pub(crate) fn normal(draw: &mut ChaCha8Rng) -> f64 {
+    pub(crate) fn draw_normal(draw: &mut ChaCha8Rng) -> f64 {
         (0..12).map(|_| f64::from(draw.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
     }
 }
@@ -121,7 +121,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
 
-    use super::testing::normal;
+    use super::testing::draw_normal;
     use crate::noise::NoiseModel;
 
     const MARKERS: usize = 6;
@@ -145,9 +145,9 @@ mod tests {
         let jacobian: Vec<f64> = levels.iter().flat_map(|l| l.measured.iter().flatten().copied()).collect();
         let noise = NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.01 };
         let misfit = Misfit::new(levels, &[4, 4], &noise, 0.1).unwrap();
-        let values = (0..jacobian.len()).map(|_| normal(&mut draw)).collect();
+        let values = (0..jacobian.len()).map(|_| draw_normal(&mut draw)).collect();
         let raw = truth.whitening(&misfit).unwrap().invert(&Residuals { values, jacobian: Vec::new() }, 0).unwrap();
-        let white = misfit.white(&Residuals { jacobian, ..raw }, 1).unwrap();
+        let white = misfit.whiten_residuals(&Residuals { jacobian, ..raw }, 1).unwrap();
         (misfit, white)
     }
 

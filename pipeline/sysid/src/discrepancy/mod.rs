@@ -101,7 +101,7 @@ impl Discrepancy {
 
     /// The whitening of the levels under this discrepancy.
     fn whitening(&self, misfit: &Misfit) -> Result<Whitening> {
-        Ok(misfit.under(|film| self.film_covariance(film))?.with_common(&self.chamber_scales(misfit))?)
+        Ok(misfit.whitening_under(|film| self.film_covariance(film))?.with_common(&self.chamber_scales(misfit))?)
     }
 
     /// The covariance of the parameters of a search and χ² over the degrees of freedom, both under this discrepancy; `white` are the
@@ -111,13 +111,13 @@ impl Discrepancy {
     /// A [`Diagnostic`] when the residuals are of other levels, or do not determine the parameters.
     pub fn posterior(&self, misfit: &Misfit, white: &Residuals, parameters: usize) -> Result<(Covariance, f64)> {
         let discrepancy = self.whitening(misfit)?;
-        let raw = misfit.raw(white, parameters)?;
+        let raw = misfit.unwhiten_residuals(white, parameters)?;
         let (level_rows, rows) = (raw.values.len(), white.values.len());
         // one standard deviation of each independent cause: the columns of a root of S, and the rows of the prior
         let unit = |k: usize, count: usize| -> Vec<f64> { (0..count).map(|i| f64::from(u8::from(i == k))).collect() };
         let level_cause = |k: usize| -> Result<Vec<f64>> {
             let column = discrepancy.invert(&Residuals { values: unit(k, level_rows), jacobian: Vec::new() }, 0)?;
-            let mut whitened = misfit.white(&column, 0)?.values;
+            let mut whitened = misfit.whiten_residuals(&column, 0)?.values;
             whitened.resize(rows, 0.0);
             Ok(whitened)
         };
@@ -203,7 +203,7 @@ mod tests {
     fn opposed_scales_leave_a_parameter_that_scales_all() {
         let levels = sides();
         let jacobian: Vec<f64> = levels.levels.iter().flat_map(|l| l.measured.iter().flatten().copied()).collect();
-        let white = levels.white(&Residuals { values: vec![0.0; jacobian.len()], jacobian }, 1).unwrap();
+        let white = levels.whiten_residuals(&Residuals { values: vec![0.0; jacobian.len()], jacobian }, 1).unwrap();
         let variance = |of: &Discrepancy| of.posterior(&levels, &white, 1).unwrap().0.of(0, 0);
         let none = variance(&SMOOTH);
         let opposed = variance(&Discrepancy { scale_sigma: 0.04, ..SMOOTH });
@@ -270,10 +270,10 @@ mod tests {
         let jacobian: Vec<f64> = levels.levels.iter().flat_map(|l| l.measured.iter().flatten().copied()).collect();
         let mut draw = ChaCha8Rng::seed_from_u64(7);
         let estimate = |draw: &mut ChaCha8Rng| {
-            let values = (0..jacobian.len()).map(|_| likelihood::testing::normal(draw)).collect();
+            let values = (0..jacobian.len()).map(|_| likelihood::testing::draw_normal(draw)).collect();
             let drawn =
                 truth.whitening(&levels).unwrap().invert(&Residuals { values, jacobian: Vec::new() }, 0).unwrap();
-            let white = levels.white(&Residuals { jacobian: jacobian.clone(), ..drawn }, 1).unwrap();
+            let white = levels.whiten_residuals(&Residuals { jacobian: jacobian.clone(), ..drawn }, 1).unwrap();
             (white.parameter_response(&white.values, 1).unwrap()[0], white)
         };
         let (_, white) = estimate(&mut draw);

@@ -47,12 +47,12 @@ impl Features {
 const SHIFT: Second = 0.05;
 
 /// Root mean square difference over the deflection `scale` (m) of two displacements, one of them shifted in time so that it is least.
-pub(super) fn difference(predicted: &Series, recorded: &Series, scale: Metre) -> f64 {
-    aligned(predicted, recorded).1 / scale.abs()
+pub(super) fn aligned_difference(predicted: &Series, recorded: &Series, scale: Metre) -> f64 {
+    best_shift(predicted, recorded).1 / scale.abs()
 }
 
 /// The shift of a prediction onto its recording (s) with the least root mean square difference, and that difference, m.
-pub(super) fn aligned(predicted: &Series, recorded: &Series) -> (Second, f64) {
+pub(super) fn best_shift(predicted: &Series, recorded: &Series) -> (Second, f64) {
     let frames = (SHIFT * recorded.rate()).round() as i64;
     let shifted_difference = |shift: i64| {
         let pairs = recorded.values().iter().enumerate().map(|(i, measured)| {
@@ -75,8 +75,8 @@ mod tests {
             let at = |i: i32| if f64::from(i) < shift { 0.0 } else { (0.3 * (f64::from(i) - shift)).sin() };
             Series::new(0.0, 100.0, (0..200).map(at).collect()).unwrap()
         };
-        assert!(difference(&wave(3.0), &wave(0.0), 1.0) < 0.1);
-        assert!(difference(&wave(10.0), &wave(0.0), 1.0) > 0.5, "further than a release can be misread");
+        assert!(aligned_difference(&wave(3.0), &wave(0.0), 1.0) < 0.1);
+        assert!(aligned_difference(&wave(10.0), &wave(0.0), 1.0) > 0.5, "further than a release can be misread");
     }
 
     #[test]

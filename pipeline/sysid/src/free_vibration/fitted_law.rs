@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Report;
-use super::ladder::{LawResult, supported};
+use super::ladder::{LawResult, supported_law};
 
 /// A law fitted to all recordings that are marked so.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ pub struct FittedLaw {
 impl Report {
     /// Every law of the ladder, from the simplest to the richest.
     pub fn laws(&self) -> Vec<FittedLaw> {
-        let best = supported(&self.results);
+        let best = supported_law(&self.results);
         self.results.iter().enumerate().map(|(n, result)| self.fitted_law(result, n == best)).collect()
     }
 

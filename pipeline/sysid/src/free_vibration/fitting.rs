@@ -125,7 +125,7 @@ impl Fit<'_> {
         let times = times(self.page, recorded.fall.end() - shift.min(0.0) + self.page.step);
         let fall = condition.fall(&properties, ramp, &times)?;
         Ok((0..recorded.fall.values().len())
-            .map(|i| interpolated(&times, &fall, recorded.fall.time(i) - shift))
+            .map(|i| interpolate_series(&times, &fall, recorded.fall.time(i) - shift))
             .collect())
     }
 
@@ -235,7 +235,7 @@ fn correlation_frames(fit: &Fit, residuals: &[f64]) -> f64 {
 }
 
 /// The value at a time between samples; that of the first before it.
-pub(crate) fn interpolated(times: &[Second], values: &[f64], time: Second) -> f64 {
+pub(crate) fn interpolate_series(times: &[Second], values: &[f64], time: Second) -> f64 {
     let next = times.partition_point(|sample| *sample < time);
     // a motion that ends at once has one sample
     if next == 0 || times.len() == 1 {
@@ -255,7 +255,7 @@ pub(super) fn predicted(page: &Page, (law, values): (Law, &[f64]), ramp: Second,
     let recorded = &trial.recorded.fall;
     let times = times(page, recorded.end() + page.step);
     let fall = trial.condition.fall(&properties, ramp.max(RAMP[0]), &times)?;
-    let values = (0..recorded.values().len()).map(|i| interpolated(&times, &fall, recorded.time(i))).collect();
+    let values = (0..recorded.values().len()).map(|i| interpolate_series(&times, &fall, recorded.time(i))).collect();
     Series::new(0.0, recorded.rate(), values).map_err(Diagnostic::from)
 }
 
@@ -269,9 +269,9 @@ mod tests {
     fn a_line_is_interpolated_and_nothing_moves_before_the_release() {
         let (times, values) = ([0.0, 0.1, 0.3], [0.0, 1.0, 5.0]);
         for (at, expected) in [(-0.2, 0.0), (0.05, 0.5), (0.2, 3.0), (0.3, 5.0)] {
-            assert!((interpolated(&times, &values, at) - expected).abs() < 1e-12);
+            assert!((interpolate_series(&times, &values, at) - expected).abs() < 1e-12);
         }
-        assert_eq!(interpolated(&[0.0], &[2.0], 0.3), 2.0, "a motion that ends at once");
+        assert_eq!(interpolate_series(&[0.0], &[2.0], 0.3), 2.0, "a motion that ends at once");
     }
 
     #[test]

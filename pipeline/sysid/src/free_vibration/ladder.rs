@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use si::Series;
 
 use super::condition::Condition;
-use super::features::{Features, difference};
+use super::features::{Features, aligned_difference};
 use super::fitting::{Fit, Fitted, Trial, predicted};
 use super::laws::{LADDER, Law};
 use super::page::Page;
@@ -108,7 +108,7 @@ impl Bench<'_> {
         let fall = predicted(self.page, (fitted.law, &fitted.values), ramp, trial)?;
         let features = Features::of(self.page, &fall)?;
         let half_widths = self.half_widths(fit, fitted, trial, features)?;
-        let difference = difference(&fall, &trial.recorded.fall, trial.recorded.deflection());
+        let difference = aligned_difference(&fall, &trial.recorded.fall, trial.recorded.deflection());
         Ok(Prediction { features, half_widths, fall, difference })
     }
 
@@ -163,7 +163,7 @@ fn ramp_variance(fitted: &Fitted, trials: usize) -> f64 {
 /// The law that the recordings support: the least difference at recordings that were left out, where at least two remain to be
 /// fitted; one alone determines neither how the stress grows with strain nor how it depends on time, and the information criterion
 /// decides.
-pub(super) fn supported(results: &[LawResult]) -> usize {
+pub(super) fn supported_law(results: &[LawResult]) -> usize {
     let key = |result: &LawResult| {
         let left_out = result.left_out_difference().filter(|_| result.joint.used.len() > 2);
         left_out.unwrap_or(result.criterion)
@@ -293,8 +293,8 @@ mod tests {
     fn the_supported_law_is_that_of_the_least_criterion_until_two_remain_to_be_fitted() {
         let mut results = testing::report().results;
         results[1].left_out.iter_mut().flat_map(|row| &mut row.predictions).for_each(|p| p.difference *= 2.0);
-        assert_eq!(supported(&results), 1);
+        assert_eq!(supported_law(&results), 1);
         results.iter_mut().for_each(|result| result.joint.used = vec![0, 2, 1]);
-        assert_eq!(supported(&results), 0);
+        assert_eq!(supported_law(&results), 0);
     }
 }

@@ -71,7 +71,7 @@ pub(crate) fn find(name: &str, folders: &[PathBuf], files: &[String], root: &Pat
 }
 
 fn read_recording(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
-    let (rate, tracks) = tracks(&page.marker, path)?;
+    let (rate, tracks) = marker_tracks(&page.marker, path)?;
     let frames = tracks[0].len();
     let phases =
         Phases::of(page, recording, rate, frames).ok_or_else(|| phase_diagnostic(path, frames as f64 / rate))?;
@@ -88,7 +88,7 @@ fn read_recording(page: &Page, recording: &Recording, path: &Path) -> Result<Rec
 ///
 /// # Errors
 /// A [`Diagnostic`] when the file is refused, or has no such marker in every frame.
-pub(crate) fn tracks(markers: &[Marker], path: &Path) -> Result<(f64, Vec<Vec<Point3>>)> {
+pub(crate) fn marker_tracks(markers: &[Marker], path: &Path) -> Result<(f64, Vec<Vec<Point3>>)> {
     let bytes = input::read(path, input::MESH)
         .map_err(|e| Diagnostic::io(path, e, "name a file of tracks, .csv or .c3d, on the page"))?;
     let space = lab::space::read(&bytes, path)?;
@@ -129,7 +129,7 @@ fn phase_diagnostic(path: &Path, duration: Second) -> Diagnostic {
 
 /// Displacement of each compared marker along the page's axis from its position while `held`, m.
 fn compared_displacements(page: &Page, tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Metre>> {
-    let displacements = displacements(&page.marker, tracks, held);
+    let displacements = marker_displacements(&page.marker, tracks, held);
     let component = |displacement: Vec<Vector3<f64>>| displacement.iter().map(|u| u[page.along as usize]).collect();
     displacements
         .into_iter()
@@ -140,12 +140,12 @@ fn compared_displacements(page: &Page, tracks: &[Vec<Point3>], held: usize) -> V
 }
 
 /// Displacement of each marker from its mean position during the first `held` frames, in the body's frame, m: markers × frames.
-pub(crate) fn displacements(markers: &[Marker], tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Vector3<f64>>> {
+pub(crate) fn marker_displacements(markers: &[Marker], tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Vector3<f64>>> {
     let mean =
         |track: &Vec<Point3>| track[..held].iter().map(|p| Vector3::from(*p)).sum::<Vector3<f64>>() / held as f64;
     let initial: Vec<Vector3<f64>> = tracks.iter().map(mean).collect();
     let places: Vec<Vector3<f64>> = markers.iter().map(|marker| Vector3::from(marker.at)).collect();
-    let turn = rigid::rotation(&initial, &places);
+    let turn = rigid::best_rotation(&initial, &places);
     let relative_displacement = |(track, initial_position): (&Vec<Point3>, &Vector3<f64>)| {
         track.iter().map(|p| turn * (Vector3::from(*p) - initial_position)).collect()
     };

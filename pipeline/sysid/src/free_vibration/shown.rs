@@ -7,8 +7,8 @@ use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
 use si::{Second, Series};
 
 use super::Report;
-use super::features::{NAMES, aligned};
-use super::ladder::{LawResult, Row, supported};
+use super::features::{NAMES, best_shift};
+use super::ladder::{LawResult, Row, supported_law};
 use super::warnings::warnings;
 use crate::identified_materials::{IdentifiedMaterial, IdentifiedMaterials, file_of};
 use crate::metrics_file;
@@ -49,7 +49,7 @@ fn materials_text(report: &Report) -> Result<String> {
         })
     };
     let law = report.results.iter().map(material).collect::<Result<_>>()?;
-    let supported = report.results[supported(&report.results)].joint.fitted.law.name.to_owned();
+    let supported = report.results[supported_law(&report.results)].joint.fitted.law.name.to_owned();
     let written = toml::to_string(&IdentifiedMaterials { supported, law });
     written.map_err(|e| Diagnostic::new("the identified materials cannot be written", e, "report this as a bug"))
 }
@@ -169,7 +169,7 @@ fn csv_table(report: &Report) -> String {
 
 /// Errors of the supported law at the recordings that were not fitted.
 fn metric_entries(report: &Report) -> Vec<serde_json::Value> {
-    let result = &report.results[supported(&report.results)];
+    let result = &report.results[supported_law(&report.results)];
     let mut entries = Vec::new();
     for (k, recording) in report.page.recording.iter().enumerate().filter(|(_, recording)| !recording.fitted) {
         let (measured, value) = (report.measured[k].to_array(), result.joint.predictions[k].features.to_array());
@@ -203,7 +203,7 @@ impl fmt::Display for Report {
                 write_predictions(f, self, row)?;
             }
         }
-        writeln!(f, "supported: {}", self.results[supported(&self.results)].joint.fitted.law.name)?;
+        writeln!(f, "supported: {}", self.results[supported_law(&self.results)].joint.fitted.law.name)?;
         warnings(self).iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         let published = self.page.published.iter();
         published
@@ -243,7 +243,7 @@ fn fall_figure(report: &Report) -> Figure {
         let curve = fall.values().iter().enumerate().map(|(i, v)| [fall.time(i) + shift, 1e3 * v]);
         curve.skip_while(|p| p[0] < 0.0).take_while(|p| p[0] <= window).collect::<Vec<_>>()
     };
-    let shown = [(0, palette::SPINE), (supported(&report.results), palette::SIMULATED)];
+    let shown = [(0, palette::SPINE), (supported_law(&report.results), palette::SIMULATED)];
     let panel = |k: usize| {
         let axes = Axes::new(Axis::linear("time after the release", "s"), Axis::linear("displacement", "mm"));
         let axes = axes.with(Mark::line(points(&report.recorded[k].fall, 0.0), palette::MUTED).labelled("recorded"));
@@ -251,7 +251,7 @@ fn fall_figure(report: &Report) -> Figure {
             let row = &report.results[*result].joint;
             let name = row.fitted.law.name.replace('_', " ");
             // the time of the release is fitted with the law, or read off by eye
-            let (shift, _) = aligned(&row.predictions[k].fall, &report.recorded[k].fall);
+            let (shift, _) = best_shift(&row.predictions[k].fall, &report.recorded[k].fall);
             Mark::line(points(&row.predictions[k].fall, shift), *colour).dashed(Dash::Dashed).labelled(&name)
         });
         let recording = &report.page.recording[k];

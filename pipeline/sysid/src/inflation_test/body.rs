@@ -132,8 +132,8 @@ pub(crate) fn mean_marker_displacement(markers: &[Carried], nodes: &[Point3], di
             Vector3::new(u[0], u[1], node.1 * u[2])
         };
         let deformed: Vec<_> = initial.iter().zip(&marker.patch).map(|(x, node)| x + node_displacement(node)).collect();
-        let deformed_marker =
-            rigid::rotation(&initial, &deformed) * (marker.at - rigid::mean(&initial)) + rigid::mean(&deformed);
+        let deformed_marker = rigid::best_rotation(&initial, &deformed) * (marker.at - rigid::mean_point(&initial))
+            + rigid::mean_point(&deformed);
         deformed_marker - marker.at
     };
     markers.iter().map(marker_displacement).sum::<Vector3<f64>>() / markers.len() as f64

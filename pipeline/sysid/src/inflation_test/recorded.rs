@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use si::{Metre, Second, Series};
 
 use super::page::{Page, Recording};
-use crate::free_vibration::recorded::{displacements, find, tracks};
+use crate::free_vibration::recorded::{find, marker_displacements, marker_tracks};
 use diagnostics::{Diagnostic, Result};
 
 /// The mean displacements by which an inflation is compared.
@@ -40,7 +40,7 @@ fn mean_displacement(course: &[(Second, Metre)], [begin, end]: [Second; 2]) -> M
     // At even times: samples of a simulated course are densest where its adaptive steps are short, and would count
     // there most.
     let time = |k: usize| begin + (k as f64 + 0.5) / SAMPLES as f64 * (end - begin);
-    let value = |k: usize| crate::free_vibration::fitting::interpolated(&times, &values, time(k));
+    let value = |k: usize| crate::free_vibration::fitting::interpolate_series(&times, &values, time(k));
     (0..SAMPLES).map(value).sum::<f64>() / SAMPLES as f64
 }
 
@@ -61,7 +61,7 @@ impl Recorded {
     /// A [`Diagnostic`] when it lies nowhere, is refused, or is shorter than the page says.
     pub fn read(page: &Page, recording: &Recording, root: &Path) -> Result<Self> {
         let path = find(&page.name, &page.folders, &recording.files, root)?;
-        let (rate, tracks) = tracks(&page.marker, &path)?;
+        let (rate, tracks) = marker_tracks(&page.marker, &path)?;
         let frame = |time: Second| (time * rate).round() as usize;
         let [first, last] = recording.hold.map(frame);
         let frames = tracks[0].len();
@@ -70,7 +70,7 @@ impl Recorded {
             let reason = format!("the hold of `{}` ends at {} s", recording.name, recording.hold[1]);
             return Err(Diagnostic::new(message, reason, "correct `hold` on the page"));
         }
-        let displacements = displacements(&page.marker, &tracks, frame(page.held).max(1));
+        let displacements = marker_displacements(&page.marker, &tracks, frame(page.held).max(1));
         let compared: Vec<&Vec<Vector3<f64>>> = displacements
             .iter()
             .zip(&page.marker)

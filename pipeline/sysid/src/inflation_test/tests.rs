@@ -126,7 +126,7 @@ fn record_with(folder: &Path, (ratio, missing): (f64, f64), recording: usize) {
         let time = f64::from(frame) / 100.0;
         // ambient pressure until the hold begins
         let moved =
-            if time < 0.2 { 0.0 } else { crate::free_vibration::fitting::interpolated(&times, &tip, time - 0.2) };
+            if time < 0.2 { 0.0 } else { crate::free_vibration::fitting::interpolate_series(&times, &tip, time - 0.2) };
         for marker in &page.marker {
             let ([x, y, z], tip) = (marker.at, if marker.compared { moved } else { 0.0 });
             text += &format!("{time:.4},{},{x:.9},{:.9},{:.9}\n", marker.names[0], -z, y + tip);

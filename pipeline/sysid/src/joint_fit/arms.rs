@@ -58,29 +58,29 @@ impl Arms {
         let mut recordings = page.recording.clone();
         for recording in &page.recording {
             let features = Recorded::read(&page, recording, root)?.features;
-            conditions.push(condition(recording, Some([features.early, features.late]))?);
+            conditions.push(hold_condition(recording, Some([features.early, features.late]))?);
         }
         for pressure in &joint.pressures {
             let mut further = page.recording[0].clone();
             further.name = format!("{:.0}mbar", 1e-2 * pressure);
             further.pressure = History::Constant(*pressure);
-            conditions.push(condition(&further, None)?);
+            conditions.push(hold_condition(&further, None)?);
             recordings.push(further);
         }
         Ok(Self { page, conditions, recordings, bodies })
     }
 
     /// Where the body is soon after the step and at the end of the hold.
-    fn points(&self, at: &Place, recording: &Recording) -> Result<[Point; 2]> {
+    fn hold_points(&self, at: &Place, recording: &Recording) -> Result<[Point; 2]> {
         let constants = at.law.constants(at.shared)?;
         let [batch, wall, missing] = [at.own[0].exp(), 1e-3 * at.own[1], 1e3 * at.own[2]];
         let settling = self.page.settling.unwrap_or(f64::INFINITY);
         let early = 0.5 * (self.page.early[0] + self.page.early[1]);
         let late = recording.duration() - 0.5 * self.page.late;
         let point = |time: f64| {
-            let (modulus, [c20, c30]) = constants.isochronous(time);
+            let (modulus, [c20, c30]) = constants.isochronous_elasticity(time);
             let lost = if self.page.settling.is_some() { missing * (-time / settling).exp() } else { 0.0 };
-            [batch * modulus, c20, c30, wall, held(recording).unwrap_or(0.0) - lost]
+            [batch * modulus, c20, c30, wall, held_pressure(recording).unwrap_or(0.0) - lost]
         };
         Ok([point(early), point(late)])
     }
@@ -95,15 +95,15 @@ fn mesh_folder(page: &Page, case: &Case, [root, beside]: [&Path; 2]) -> Result<P
     })
 }
 
-fn held(recording: &Recording) -> Option<f64> {
+fn held_pressure(recording: &Recording) -> Option<f64> {
     match recording.pressure {
         History::Constant(pressure) => Some(pressure),
         _ => None,
     }
 }
 
-fn condition(recording: &Recording, measured: Option<[f64; 2]>) -> Result<Condition> {
-    let level = held(recording).ok_or_else(|| {
+fn hold_condition(recording: &Recording, measured: Option<[f64; 2]>) -> Result<Condition> {
+    let level = held_pressure(recording).ok_or_else(|| {
         let message = format!("`{}` has a history of its pressure", recording.name);
         Diagnostic::new(message, "a joint fit compares steps of the pressure that are held", "give one pressure")
     })?;
@@ -137,15 +137,15 @@ impl Test for Arms {
     }
 
     /// One equilibrium serves both times: between them modulus and pressure change by a few per cent, to first order.
-    fn predict(&self, at: &Place, condition: usize, memory: &mut Memory) -> Result<Vec<Predicted>> {
+    fn predict_condition(&self, at: &Place, condition: usize, memory: &mut Memory) -> Result<Vec<Predicted>> {
         let recording = &self.recordings[condition];
         let body = self.bodies.iter().find(|(name, _)| *name == at.law.material).map(|(_, body)| body);
         let body = body.ok_or_else(|| Diagnostic::new("a law has no body", at.law.name, "report this as a bug"))?;
-        let points = self.points(at, recording)?;
+        let points = self.hold_points(at, recording)?;
         let mut ambient = points[0];
         ambient[PRESSURE] = 0.0;
-        let rest = remembered(body, &ambient, memory)?;
-        let shape = remembered(body, &points[0], memory)?;
+        let rest = remembered_shape(body, &ambient, memory)?;
+        let shape = remembered_shape(body, &points[0], memory)?;
         // Displacements count from the place at ambient pressure, which moves with the constants, and not with the
         // pressure.
         let slopes: Point =
@@ -162,7 +162,7 @@ impl Test for Arms {
             let (mut shared, mut own) = (at.shared.to_vec(), at.own.to_vec());
             let moved = if p < shared.len() { &mut shared[p] } else { &mut own[p - at.shared.len()] };
             *moved += STEP;
-            let moved = tip(self.points(&Place { law: at.law, shared: &shared, own: &own }, recording)?);
+            let moved = tip(self.hold_points(&Place { law: at.law, shared: &shared, own: &own }, recording)?);
             (0..2).for_each(|n| gradients[n].push((moved[n] - values[n]) / STEP));
         }
         let [early, late] = gradients;
@@ -173,7 +173,7 @@ impl Test for Arms {
 /// Shapes that a fit keeps: a few at each pressure.
 const KEPT: usize = 24;
 
-fn remembered(body: &Inflated, point: &Point, memory: &mut Memory) -> Result<Arc<Shape>> {
+fn remembered_shape(body: &Inflated, point: &Point, memory: &mut Memory) -> Result<Arc<Shape>> {
     if let Some(shape) = memory.iter().find(|shape| shape.at == *point) {
         return Ok(Arc::clone(shape));
     }

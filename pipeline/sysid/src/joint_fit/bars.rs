@@ -9,7 +9,7 @@ use super::parameters::Parameter;
 use super::test::{Condition, Memory, Place, Predicted, Quantity, Test};
 use crate::free_vibration::condition::{self, Basis, times};
 use crate::free_vibration::features::{Features, NAMES};
-use crate::free_vibration::fitting::interpolated;
+use crate::free_vibration::fitting::interpolate_series;
 use crate::free_vibration::page::Page;
 use crate::free_vibration::recorded::{self, Recorded};
 use diagnostics::{Diagnostic, Result};
@@ -61,7 +61,7 @@ impl Bars {
     }
 
     /// Features of recording `k` under `condition`, in the units of their names.
-    fn features(&self, at: &Place, (condition, k): (usize, usize)) -> Result<[f64; 4]> {
+    fn beam_features(&self, at: &Place, (condition, k): (usize, usize)) -> Result<[f64; 4]> {
         let model = self.models[condition].iter().find(|(name, _)| *name == at.law.material).map(|(_, model)| model);
         let model =
             model.ok_or_else(|| Diagnostic::new("a law has no reduced model", at.law.name, "report this as a bug"))?;
@@ -69,7 +69,8 @@ impl Bars {
         let recorded = &self.recorded[k].fall;
         let times = times(&self.page, recorded.end() + self.page.step);
         let fall = model.fall(&properties, at.own[k], &times)?;
-        let values = (0..recorded.values().len()).map(|i| interpolated(&times, &fall, recorded.time(i))).collect();
+        let values =
+            (0..recorded.values().len()).map(|i| interpolate_series(&times, &fall, recorded.time(i))).collect();
         Ok(Features::of(&self.page, &Series::new(0.0, recorded.rate(), values)?)?.to_array())
     }
 }
@@ -124,7 +125,7 @@ impl Test for Bars {
     }
 
     /// Repeats share the relative derivatives by the material of the first of them: they differ in the release alone.
-    fn predict(&self, at: &Place, condition: usize, _: &mut Memory) -> Result<Vec<Predicted>> {
+    fn predict_condition(&self, at: &Place, condition: usize, _: &mut Memory) -> Result<Vec<Predicted>> {
         let (count, members) = (at.shared.len(), &self.members[condition]);
         let material_jobs = (0..count).map(|p| (members[0], Some(p)));
         let release_jobs = members.iter().flat_map(|&k| [(k, None), (k, Some(count + k))]);
@@ -136,7 +137,7 @@ impl Test for Bars {
                 Some(p) => own[p - count] += STEP,
                 None => {}
             }
-            self.features(&Place { law: at.law, shared: &shared, own: &own }, (condition, k))
+            self.beam_features(&Place { law: at.law, shared: &shared, own: &own }, (condition, k))
         };
         let features: Vec<[f64; 4]> = jobs.par_iter().map(simulate).collect::<Result<_>>()?;
         let material = &features[2 * members.len()..];

@@ -73,7 +73,7 @@ impl Fit<'_> {
     }
 
     /// The first of a test's own parameters, and their number.
-    fn own(&self, test: usize) -> (usize, usize) {
+    fn own_parameters(&self, test: usize) -> (usize, usize) {
         let count = |test: &dyn Test| test.parameters().len();
         let before: usize = self.tests[..test].iter().map(|test| count(test.as_ref())).sum();
         (self.law.parameters().len() + before, count(self.tests[test].as_ref()))
@@ -89,9 +89,14 @@ impl Fit<'_> {
     ///
     /// # Errors
     /// A diagnostic where no shape or motion is found.
-    pub fn predict(&self, point: &[f64], (test, condition): Which, memory: &mut Memory) -> Result<Vec<Predicted>> {
+    pub(crate) fn predict_condition(
+        &self,
+        point: &[f64],
+        (test, condition): Which,
+        memory: &mut Memory,
+    ) -> Result<Vec<Predicted>> {
         let shared = self.law.parameters().len();
-        let (first, count) = self.own(test);
+        let (first, count) = self.own_parameters(test);
         let place = Place { law: self.law, shared: &point[..shared], own: &point[first..first + count] };
         let spread = |predicted: Predicted| {
             let mut gradient = vec![0.0; point.len()];
@@ -99,7 +104,7 @@ impl Fit<'_> {
             gradient[first..first + count].copy_from_slice(&predicted.gradient[shared..]);
             Predicted { value: predicted.value, gradient }
         };
-        Ok(self.tests[test].predict(&place, condition, memory)?.into_iter().map(spread).collect())
+        Ok(self.tests[test].predict_condition(&place, condition, memory)?.into_iter().map(spread).collect())
     }
 
     /// Residuals of the conditions `used` and of the priors; those of a test are divided by its scale.
@@ -112,7 +117,9 @@ impl Fit<'_> {
         let (mut residuals, mut owners) = (Residuals { values: Vec::new(), jacobian: Vec::new() }, Vec::new());
         for &(test, condition) in used {
             let quantities = &self.tests[test].conditions()[condition].quantities;
-            for (quantity, predicted) in quantities.iter().zip(self.predict(point, (test, condition), memory)?) {
+            for (quantity, predicted) in
+                quantities.iter().zip(self.predict_condition(point, (test, condition), memory)?)
+            {
                 let Some(measured) = quantity.measured else { continue };
                 let weight = 1.0 / (measured * quantity.sigma * scales[test]);
                 residuals.values.push(weight * (predicted.value - measured));
@@ -134,12 +141,12 @@ impl Fit<'_> {
     /// A diagnostic when nothing can be evaluated at the start.
     pub fn run(&self, start: Start, used: &[Which]) -> Result<Fitted> {
         let Start { mut point, mut scales, mut memory, rounds } = start;
-        let mut evaluations = self.stiffen((&mut point, &scales), used, &mut memory)?;
+        let mut evaluations = self.stiffen_until_solvable((&mut point, &scales), used, &mut memory)?;
         for _ in 0..rounds {
             let (next, count) = self.minimise((&point, &scales), used, &mut memory)?;
             (point, evaluations) = (next, evaluations + count);
             let (residuals, owners) = self.residuals((&point, &scales), used, &mut memory)?;
-            scales = self.rescaled(&scales, &residuals.values, &owners);
+            scales = self.rescale_tests(&scales, &residuals.values, &owners);
         }
         let (residuals, _) = self.residuals((&point, &scales), used, &mut memory)?;
         let covariance = self.covariance(&residuals, point.len());
@@ -150,7 +157,12 @@ impl Fit<'_> {
     ///
     /// # Errors
     /// The diagnostic of the stiffest body that was tried.
-    fn stiffen(&self, (point, scales): (&mut [f64], &[f64]), used: &[Which], memory: &mut Memory) -> Result<usize> {
+    fn stiffen_until_solvable(
+        &self,
+        (point, scales): (&mut [f64], &[f64]),
+        used: &[Which],
+        memory: &mut Memory,
+    ) -> Result<usize> {
         for count in 0..STIFFENINGS {
             match self.residuals((point, scales), used, memory) {
                 Ok(_) => return Ok(count),
@@ -184,14 +196,14 @@ impl Fit<'_> {
         let mut count = 0;
         let mut evaluate = |batch: &[Vec<f64>], _: Needs| -> std::result::Result<Vec<Evaluation>, OptimiseError> {
             count += batch.len();
-            Ok(batch.iter().map(|point| self.evaluation((point, scales), used, memory)).collect())
+            Ok(batch.iter().map(|point| self.evaluate_point((point, scales), used, memory)).collect())
         };
         let best = minimise(&mut optimiser, &mut evaluate)?.best;
         Ok((best.at, count))
     }
 
     /// A point of the search; of infinite loss where no shape or motion is found.
-    fn evaluation(&self, (point, scales): (&[f64], &[f64]), used: &[Which], memory: &mut Memory) -> Evaluation {
+    fn evaluate_point(&self, (point, scales): (&[f64], &[f64]), used: &[Which], memory: &mut Memory) -> Evaluation {
         match self.residuals((point, scales), used, memory) {
             Ok((residuals, _)) if residuals.values.iter().all(|r| r.is_finite()) => {
                 let (loss, gradient) = (residuals.half_sum_of_squares(), Some(residuals.gradient(point.len())));
@@ -203,7 +215,7 @@ impl Fit<'_> {
 
     /// The scale of each test with which its residuals are one standard deviation on the mean, or 1 where they are less; a test of which nothing
     /// is fitted takes the largest.
-    fn rescaled(&self, scales: &[f64], residuals: &[f64], owners: &[usize]) -> Vec<f64> {
+    fn rescale_tests(&self, scales: &[f64], residuals: &[f64], owners: &[usize]) -> Vec<f64> {
         let rms = |test: usize| {
             let squares: Vec<f64> =
                 owners.iter().zip(residuals).filter(|(owner, _)| **owner == test).map(|(_, r)| r * r).collect();

@@ -117,7 +117,7 @@ impl Inflated {
             match solver.equilibrium_near(&pressures, &last.displacement, &predicted, &settings) {
                 Ok(found) => {
                     step *= if found.iterations < 7 { 2.0 } else { 1.0 };
-                    last = self.linearised(&mut solver, &at, found)?;
+                    last = self.linearise_shape(&mut solver, &at, found)?;
                     part = next;
                 }
                 Err(error) if step < LEAST_STEP => return Err(Diagnostic::from(error)),
@@ -133,10 +133,10 @@ impl Inflated {
         rest[PRESSURE] = 0.0;
         let mut solver = self.solver(&rest)?;
         let found = solver.equilibrium(&self.pressures(0.0), None, &StaticSettings::default())?;
-        self.linearised(&mut solver, &rest, found)
+        self.linearise_shape(&mut solver, &rest, found)
     }
 
-    fn linearised(&self, solver: &mut Solver, point: &Point, found: Equilibrium) -> Result<Shape> {
+    fn linearise_shape(&self, solver: &mut Solver, point: &Point, found: Equilibrium) -> Result<Shape> {
         let region = 0;
         let mut changes = Vec::new();
         for parameter in [

@@ -46,11 +46,11 @@ impl Bench<'_> {
     }
 
     /// The results of a law, or why there are none.
-    pub fn results(&self, laws: &[&'static Law]) -> Vec<(&'static Law, Result<LawResult>)> {
-        laws.par_iter().map(|law| (*law, self.result(law))).collect()
+    pub(crate) fn law_results(&self, laws: &[&'static Law]) -> Vec<(&'static Law, Result<LawResult>)> {
+        laws.par_iter().map(|law| (*law, self.law_result(law))).collect()
     }
 
-    fn result(&self, law: &'static Law) -> Result<LawResult> {
+    fn law_result(&self, law: &'static Law) -> Result<LawResult> {
         let (fit, used) = (Fit { law, tests: self.tests }, self.used());
         let joint = fit.run(fit.start(), &used)?;
         (self.progress)(&format!(
@@ -61,7 +61,9 @@ impl Bench<'_> {
         ));
         let mut memory = joint.memory.clone();
         let mut predict = |t: usize| -> Vec<Prediction> {
-            (0..self.tests[t].conditions().len()).map(|c| prediction(&fit, &joint, (t, c), &mut memory)).collect()
+            (0..self.tests[t].conditions().len())
+                .map(|c| prediction_interval(&fit, &joint, (t, c), &mut memory))
+                .collect()
         };
         let all = (0..self.tests.len()).map(&mut predict).collect();
         let without = |omitted: &Which| {
@@ -75,7 +77,7 @@ impl Bench<'_> {
             let predicted = fit
                 .run(start, &remaining)
                 .map_err(|error| error.to_string())
-                .and_then(|fitted| prediction(&fit, &fitted, *omitted, &mut fitted.memory.clone()));
+                .and_then(|fitted| prediction_interval(&fit, &fitted, *omitted, &mut fitted.memory.clone()));
             (self.progress)(&format!("{:<18} {}", law.name, self.left_out_text(*omitted, &predicted)));
             (*omitted, predicted)
         };
@@ -102,9 +104,9 @@ impl Bench<'_> {
 }
 
 /// The quantities of a condition with the half widths of their intervals.
-fn prediction(fit: &Fit, fitted: &Fitted, which: Which, memory: &mut super::test::Memory) -> Prediction {
+fn prediction_interval(fit: &Fit, fitted: &Fitted, which: Which, memory: &mut super::test::Memory) -> Prediction {
     let (t, c) = which;
-    let predicted = fit.predict(&fitted.point, (t, c), memory).map_err(|error| error.to_string())?;
+    let predicted = fit.predict_condition(&fitted.point, (t, c), memory).map_err(|error| error.to_string())?;
     let quantities = &fit.tests[t].conditions()[c].quantities;
     let with_width = |(predicted, quantity): (Predicted, &super::test::Quantity)| {
         let width = fitted.half_width(&predicted, (t, quantity.sigma));
@@ -135,7 +137,7 @@ impl LawResult {
 
 /// The plainest law within one standard error of the one that predicts best what was left out: of the mean over conditions of the logarithm
 /// of the mean square error, paired by condition with the best law's, so that one bad condition does not decide.
-pub(super) fn supported(results: &[LawResult], tests: &[Box<dyn Test>]) -> Option<usize> {
+pub(super) fn supported_law(results: &[LawResult], tests: &[Box<dyn Test>]) -> Option<usize> {
     let scores: Vec<Option<Vec<f64>>> = results.iter().map(|result| result.scores(tests)).collect();
     // One is added, which a good model misses by: without it a condition that is met by chance would decide by the
     // logarithm of almost nothing.

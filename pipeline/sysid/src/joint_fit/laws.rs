@@ -139,7 +139,7 @@ impl Constants {
 
     /// E (Pa) and the coefficients over C₁₀ of the elastic body that has this material's stress a time after a step: the part of μ alone
     /// relaxes, and of λ, which hardly matters near incompressibility, it is taken to relax as well.
-    pub(super) fn isochronous(&self, time: Second) -> (Pascal, [f64; 2]) {
+    pub(super) fn isochronous_elasticity(&self, time: Second) -> (Pascal, [f64; 2]) {
         let modulus = self.relaxation.modulus(time);
         (self.youngs_modulus * modulus, self.stiffening.map(|ratio| ratio / modulus))
     }
@@ -167,9 +167,9 @@ mod tests {
         let law = &LAWS[1];
         let point: Vec<f64> = vec![2e5_f64.ln(), 0.05_f64.ln(), 0.3, 1.0, 0.7];
         let material = law.constants(&point).unwrap();
-        assert!((material.isochronous(3.0).0 / 2e5 - 1.0).abs() < 1e-12);
-        let absolute = |time: f64| material.isochronous(time).0 * material.isochronous(time).1[0];
+        assert!((material.isochronous_elasticity(3.0).0 / 2e5 - 1.0).abs() < 1e-12);
+        let absolute = |time: f64| material.isochronous_elasticity(time).0 * material.isochronous_elasticity(time).1[0];
         assert!((absolute(0.1) / absolute(3.0) - 1.0).abs() < 1e-12);
-        assert!(material.isochronous(0.1).0 > material.isochronous(3.0).0);
+        assert!(material.isochronous_elasticity(0.1).0 > material.isochronous_elasticity(3.0).0);
     }
 }

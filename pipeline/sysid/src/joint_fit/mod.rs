@@ -84,7 +84,7 @@ fn evaluate(page: Page, root: &Path, path: &Path) -> Result<Report> {
     };
     let tests = page.tests.iter().map(open).collect::<Result<Vec<_>>>()?;
     let progress = |text: &str| output::note(format_args!("{text}"));
-    let all = Bench { tests: &tests, held_out: &page.held_out, progress: &progress }.results(&laws);
+    let all = Bench { tests: &tests, held_out: &page.held_out, progress: &progress }.law_results(&laws);
     let (mut results, mut refused) = (Vec::new(), Vec::new());
     for (law, result) in all {
         match result {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Report;
 use super::fit::{Fit, Which};
-use super::ladder::{LawResult, Prediction, supported};
+use super::ladder::{LawResult, Prediction, supported_law};
 use super::test::Condition;
 use crate::identified_materials::{IdentifiedMaterial, IdentifiedMaterials, file_of};
 use crate::metrics_file;
@@ -20,7 +20,7 @@ pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
     let materials = materials_text(report)?;
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text);
     std::fs::create_dir_all(folder)
-        .and_then(|()| write(&format!("{stem}.csv"), &scoreboard(report)))
+        .and_then(|()| write(&format!("{stem}.csv"), &scoreboard_csv(report)))
         .and_then(|()| write(&format!("{stem}_parameters.csv"), &parameter_table(report)))
         .and_then(|()| write(&file_of(&report.page.name), &materials))
         .map_err(|e| Diagnostic::io(folder, e, "name another folder with --out"))?;
@@ -73,7 +73,7 @@ fn beyond_and_linear(report: &Report, used: &[Which], which: Which, n: usize) ->
 }
 
 /// Every condition as `result` predicts it: left out where it is fitted otherwise.
-pub(super) fn lines(report: &Report, result: &LawResult) -> Vec<Line> {
+pub(super) fn condition_lines(report: &Report, result: &LawResult) -> Vec<Line> {
     let used = &result.used;
     let mut lines = Vec::new();
     for (t, test) in report.tests.iter().enumerate() {
@@ -105,13 +105,14 @@ pub(super) fn lines(report: &Report, result: &LawResult) -> Vec<Line> {
 }
 
 /// Condition left out × predicted × interval × recorded × the same by the neo-Hookean law and in proportion to the pressure, of every law.
-fn scoreboard(report: &Report) -> String {
+fn scoreboard_csv(report: &Report) -> String {
     let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
     let mut text = "law,supported,condition,role,quantity,unit,recorded,predicted,half_width_95,error_percent,inside,extrapolated,neo_hookean,linear_in_pressure,gap\n".to_owned();
-    let best = supported(&report.results, &report.tests);
-    let plain = report.results.iter().find(|result| result.law.terms.is_empty()).map(|result| lines(report, result));
+    let best = supported_law(&report.results, &report.tests);
+    let plain =
+        report.results.iter().find(|result| result.law.terms.is_empty()).map(|result| condition_lines(report, result));
     for (k, result) in report.results.iter().enumerate() {
-        for (i, line) in lines(report, result).iter().enumerate() {
+        for (i, line) in condition_lines(report, result).iter().enumerate() {
             let (value, width) =
                 line.predicted.as_ref().map_or((None, None), |(value, width)| (Some(*value), Some(*width)));
             let plain = plain.as_ref().and_then(|plain| plain[i].predicted.as_ref().ok()).map(|(value, _)| *value);
@@ -175,7 +176,7 @@ fn materials_text(report: &Report) -> Result<String> {
         })
     };
     let law = report.results.iter().map(material).collect::<Result<_>>()?;
-    let best = supported(&report.results, &report.tests).unwrap_or_default();
+    let best = supported_law(&report.results, &report.tests).unwrap_or_default();
     let materials = IdentifiedMaterials { supported: report.results[best].law.name.to_owned(), law };
     let written = toml::to_string(&materials);
     written.map_err(|e| Diagnostic::new("the identified materials cannot be written", e, "report this as a bug"))
@@ -183,8 +184,8 @@ fn materials_text(report: &Report) -> Result<String> {
 
 /// Absolute errors of the supported law at every condition that was left out or held out, and the share of its intervals that hold.
 fn metric_entries(report: &Report) -> Vec<serde_json::Value> {
-    let Some(best) = supported(&report.results, &report.tests) else { return Vec::new() };
-    let lines = lines(report, &report.results[best]);
+    let Some(best) = supported_law(&report.results, &report.tests) else { return Vec::new() };
+    let lines = condition_lines(report, &report.results[best]);
     let key = |text: &str| text.to_lowercase().replace([' ', '%'], "_");
     let error = |line: &Line| {
         let id = format!("real.{}.{}.{}_error_percent", report.page.name, key(&line.condition), key(&line.quantity));
@@ -199,7 +200,7 @@ fn metric_entries(report: &Report) -> Vec<serde_json::Value> {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let best = supported(&self.results, &self.tests);
+        let best = supported_law(&self.results, &self.tests);
         for (k, result) in self.results.iter().enumerate() {
             let mark = if best == Some(k) { ", supported" } else { "" };
             writeln!(
@@ -208,7 +209,7 @@ impl fmt::Display for Report {
                 result.law.name, result.joint.loss, result.joint.scales
             )?;
             write_parameters(f, self, result)?;
-            lines(self, result).iter().try_for_each(|line| write_line(f, line))?;
+            condition_lines(self, result).iter().try_for_each(|line| write_line(f, line))?;
         }
         self.refused.iter().try_for_each(|(law, cause)| writeln!(f, "warning: {law} is left out: {cause}"))?;
         match best {

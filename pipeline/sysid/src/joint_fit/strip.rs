@@ -43,7 +43,7 @@ impl Strip {
             let rows = strains.iter().map(|strain| point(&pull, *strain)).collect::<Result<Vec<_>>>()?;
             let level = strains.iter().copied().fold(0.0, f64::max);
             let weight = if is_fitted { (POINTS as f64 / INDEPENDENT).sqrt() } else { 1.0 };
-            let quantities = rows.iter().map(|row| quantity(row, weight)).collect();
+            let quantities = rows.iter().map(|row| stress_quantity(row, weight)).collect();
             let name = if is_fitted { page.name.clone() } else { format!("{} at {:.0} %", page.name, 100.0 * level) };
             conditions.push(Condition { name, level, fitted: is_fitted, quantities });
             points.push(rows);
@@ -77,7 +77,7 @@ fn point(pull: &Pull, strain: f64) -> Result<[f64; 3]> {
     Ok([strain, time, stress])
 }
 
-fn quantity([strain, _, stress]: &[f64; 3], weight: f64) -> Quantity {
+fn stress_quantity([strain, _, stress]: &[f64; 3], weight: f64) -> Quantity {
     let name = format!("stress at {:.0} %", 100.0 * strain);
     Quantity { name, unit: "kPa", measured: Some(1e-3 * stress), sigma: SIGMA * weight }
 }
@@ -100,7 +100,7 @@ impl Test for Strip {
         &self.conditions
     }
 
-    fn predict(&self, at: &Place, condition: usize, _: &mut Memory) -> Result<Vec<Predicted>> {
+    fn predict_condition(&self, at: &Place, condition: usize, _: &mut Memory) -> Result<Vec<Predicted>> {
         let predicted = |row: &[f64; 3]| -> Result<Predicted> {
             let value = self.stress(at, *row)?;
             let mut gradient = Vec::new();

@@ -155,7 +155,7 @@ pub(super) fn strip_stress(material: &dyn Material, constants: &Constants, (stre
     let stiffening = constants.stiffening.map(|ratio| 0.5 * ratio * mu);
     let across = stretch.powf(-0.5);
     let F = Matrix3::from_diagonal(&Vector3::new(stretch, across, across));
-    let P = material.stress(&F, Moduli { mu: mu * mean, lambda: 0.0, stiffening }).1;
+    let P = material.energy_and_stress(&F, Moduli { mu: mu * mean, lambda: 0.0, stiffening }).1;
     // the pressure that keeps its sides free of stress
     P[(0, 0)] - P[(1, 1)] * across / stretch
 }

@@ -62,5 +62,5 @@ pub(super) trait Test: Send + Sync {
     ///
     /// # Errors
     /// A diagnostic where no shape or motion is found.
-    fn predict(&self, at: &Place, condition: usize, memory: &mut Memory) -> Result<Vec<Predicted>>;
+    fn predict_condition(&self, at: &Place, condition: usize, memory: &mut Memory) -> Result<Vec<Predicted>>;
 }

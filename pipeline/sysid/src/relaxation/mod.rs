@@ -110,7 +110,7 @@ impl SpectrumProblem<'_> {
         let start = knots.median.clone();
         let search = Search { knots: &knots, start, sigma: set.sigma, iterations: set.iterations };
         let first = self.minimise_misfit(search, progress)?;
-        let (knots, start) = knots.freed(&first.at);
+        let (knots, start) = knots.free_every_branch(&first.at);
         let values = self.film_residuals(maxwell_relaxation(&knots, &start)?)?;
         let correlation = self.correlation_frames(&values);
         // Frames err alike over their correlation: with this deviation so many of them weigh as one.

@@ -21,7 +21,7 @@ pub(super) struct Knots {
 
 impl Knots {
     /// A knot at every branch, and the strengths there (logarithms) of a spectrum with `log_strengths` at the knots.
-    pub(super) fn freed(&self, log_strengths: &[f64]) -> (Self, Vec<f64>) {
+    pub(super) fn free_every_branch(&self, log_strengths: &[f64]) -> (Self, Vec<f64>) {
         let strengths = |log_strengths: &[f64]| self.branches(log_strengths).iter().map(|b| b.strength.ln()).collect();
         let times = self.branches(log_strengths).iter().map(|b| b.time).collect();
         (Self { times, per_interval: 1, median: strengths(&self.median) }, strengths(log_strengths))
@@ -30,7 +30,7 @@ impl Knots {
     /// The branches, whose strengths are those at the knots (`log_strengths`) spread over the branches of an interval. A branch at either end
     /// stands for all of its knot's outer half.
     pub(super) fn branches(&self, log_strengths: &[f64]) -> Vec<Branch> {
-        let (weights, parts) = (self.weights(), self.per_interval.max(1));
+        let (weights, parts) = (self.knot_weights(), self.per_interval.max(1));
         let count = weights.nrows();
         let share = |k: usize| {
             let inner = 1.0 / parts as f64;
@@ -49,7 +49,7 @@ impl Knots {
     }
 
     /// Weights of the knots in each branch: branches × knots, each row a sum of one.
-    pub(super) fn weights(&self) -> DMatrix<f64> {
+    pub(super) fn knot_weights(&self) -> DMatrix<f64> {
         let (knots, parts) = (self.times.len(), self.per_interval.max(1));
         let weight = |branch: usize, knot: usize| {
             let distance = branch as f64 / parts as f64 - knot as f64;
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn freed_branches_are_the_same_spectrum() {
         let at = [0.3, 0.1, 0.2, 0.05, 0.4_f64].map(f64::ln);
-        let (freed, strengths) = knots(2).freed(&at);
+        let (freed, strengths) = knots(2).free_every_branch(&at);
         assert!(freed.times.len() == 9 && (freed.median[3] - 0.05_f64.ln()).abs() < 1e-12);
         let pairs = freed.branches(&strengths).into_iter().zip(knots(2).branches(&at));
         assert!(pairs.into_iter().all(|(a, b)| (a.strength / b.strength - 1.0).abs() < 1e-12));

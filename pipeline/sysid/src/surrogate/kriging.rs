@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::load::Load;
 
-/// Correlation length: the width of the Gaussian, in units of [`Load::away`].
+/// Correlation length: the width of the Gaussian, in units of [`Load::distance_to`].
 const WIDTH: f64 = 2.0;
 /// Nugget, relative to the variance: it keeps weights small where shapes lie close together.
 const NOISE: f64 = 1e-9;
@@ -14,7 +14,7 @@ const STRETCHED: f64 = 6.0;
 /// Kriging weights of the shapes at `places` for `load`; they sum to one. None where they would extrapolate.
 pub(super) fn weights(places: &[Load], load: &Load) -> Option<DVector<f64>> {
     let n = places.len();
-    let alike = |a: &Load, b: &Load| (-0.5 * (a.away(b) / WIDTH).powi(2)).exp();
+    let alike = |a: &Load, b: &Load| (-0.5 * (a.distance_to(b) / WIDTH).powi(2)).exp();
     let among = DMatrix::from_fn(n, n, |i, j| alike(&places[i], &places[j]) + if i == j { NOISE } else { 0.0 });
     let factor = among.cholesky()?;
     let (towards, level) =

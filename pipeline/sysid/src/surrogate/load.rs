@@ -40,7 +40,7 @@ fn scale_field(field: &mut [f64], factor: f64) {
     field.iter_mut().for_each(|u| *u *= factor);
 }
 
-/// Scale of the pressure in [`Load::apart`].
+/// Scale of the pressure in [`Load::expansion_distance`].
 const PRESSURE: f64 = 4.0;
 
 /// The load of an equilibrium: the filled chamber, and coordinates in the space of dimensionless constants.
@@ -122,7 +122,7 @@ impl Load {
     }
 
     /// The difference of the coordinate `number` from that of `other`.
-    pub fn along(&self, other: &Self, number: usize) -> f64 {
+    pub(crate) fn coordinate_difference(&self, other: &Self, number: usize) -> f64 {
         self.at[number] - other.at[number]
     }
 
@@ -132,17 +132,17 @@ impl Load {
     }
 
     /// Distance of the constants alone, whatever the pressures.
-    pub fn aside(&self, other: &Self) -> f64 {
+    pub(crate) fn constants_distance(&self, other: &Self) -> f64 {
         self.at[1..].iter().zip(&other.at[1..]).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Distance over which an expansion fails: shapes change most with the pressure.
-    pub fn apart(&self, other: &Self) -> f64 {
-        self.away(other).hypot(PRESSURE * self.along(other, 0))
+    pub(crate) fn expansion_distance(&self, other: &Self) -> f64 {
+        self.distance_to(other).hypot(PRESSURE * self.coordinate_difference(other, 0))
     }
 
     /// Distance from another.
-    pub fn away(&self, other: &Self) -> f64 {
+    pub fn distance_to(&self, other: &Self) -> f64 {
         self.at.iter().zip(&other.at).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 }

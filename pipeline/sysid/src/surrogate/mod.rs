@@ -70,8 +70,9 @@ impl Surrogate {
     pub(crate) fn newest_apart(&self, apart: f64) -> Vec<&KnownShape> {
         let mut distinct: Vec<&KnownShape> = Vec::new();
         for known in self.shapes.iter().rev() {
-            let is_alike =
-                |other: &&KnownShape| other.load.chamber == known.load.chamber && other.load.away(&known.load) < apart;
+            let is_alike = |other: &&KnownShape| {
+                other.load.chamber == known.load.chamber && other.load.distance_to(&known.load) < apart
+            };
             if !distinct.iter().any(is_alike) {
                 distinct.push(known);
             }
@@ -91,7 +92,7 @@ impl Surrogate {
             let known_load = &known.load;
             known_load.chamber == load.chamber
                 && known_load.part_of(load) < 1.0
-                && known_load.aside(load) < SAME_CONSTANTS
+                && known_load.constants_distance(load) < SAME_CONSTANTS
         };
         let mut below: Vec<&KnownShape> = self.shapes.iter().filter(on_the_way).collect();
         below.sort_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]));
@@ -105,16 +106,17 @@ impl Surrogate {
             .iter()
             .flat_map(|surrogate| &surrogate.shapes)
             .filter(|known| known.load.chamber == load.chamber);
-        let mut neighbours: Vec<(f64, &KnownShape)> = alike.map(|known| (known.load.away(load), known)).collect();
+        let mut neighbours: Vec<(f64, &KnownShape)> =
+            alike.map(|known| (known.load.distance_to(load), known)).collect();
         neighbours.sort_by(|a, b| a.0.total_cmp(&b.0));
         let &(closest, nearest) = neighbours.first()?;
         let with_slopes = neighbours.iter().filter(|(_, known)| !known.slopes.is_empty());
         let mut expanded: Vec<(f64, &KnownShape)> =
-            with_slopes.map(|(_, known)| (known.load.apart(load), *known)).collect();
+            with_slopes.map(|(_, known)| (known.load.expansion_distance(load), *known)).collect();
         expanded.sort_by(|a, b| a.0.total_cmp(&b.0));
         expanded.truncate(EXPANSIONS);
         match expanded.first() {
-            Some((_, first)) if closest >= NEARER * first.load.away(load) => {
+            Some((_, first)) if closest >= NEARER * first.load.distance_to(load) => {
                 Some((first, mean_expansion(&expanded, load)))
             }
             _ => Some((nearest, kriged_shape(&neighbours, load).unwrap_or_else(|| nearest.shape.clone()))),
@@ -133,7 +135,10 @@ fn mean_expansion(about: &[(f64, &KnownShape)], load: &Load) -> Vec<f64> {
         let weight = weight(*distance);
         let mut add = |part: f64, field: &[f64]| sum.iter_mut().zip(field).for_each(|(sum, u)| *sum += part * u);
         add(weight / total_weight, &known.shape);
-        known.slopes.iter().for_each(|s| add(weight / total_weight * load.along(&known.load, s.coordinate), &s.slope));
+        known
+            .slopes
+            .iter()
+            .for_each(|s| add(weight / total_weight * load.coordinate_difference(&known.load, s.coordinate), &s.slope));
     }
     sum
 }

@@ -32,7 +32,7 @@ pub fn run(frequency: f64, amplitude: f64, seed: u64) -> Run {
             .to_vec()
     };
     let speed: Vec<Vec<[f64; 2]>> = time.iter().map(|&t| speed(t)).collect();
-    let terms = run::parts(&tail(), &moved, &speed, rate);
+    let terms = run::theory_terms(&tail(), &moved, &speed, rate);
     let noise = |i: usize| 1e-3 * ((i * i + seed as usize) as f64 * 0.37).sin();
     let force = terms
         .iter()

@@ -54,14 +54,20 @@ pub fn find_blobs(
         }
     }
     candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut accepted = separate_spots(&candidates, count, settings.radius);
+    accepted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    accepted
+}
+
+/// The first `count` of the candidates that are at least `distance` (px) from those before them.
+fn separate_spots(candidates: &[(Point2, f64)], count: usize, distance: f64) -> Vec<Point2> {
     let mut accepted: Vec<Point2> = Vec::new();
     for (point, _) in candidates {
-        let is_separate = accepted.iter().all(|k| (k[0] - point[0]).hypot(k[1] - point[1]) >= settings.radius);
+        let is_separate = accepted.iter().all(|k| (k[0] - point[0]).hypot(k[1] - point[1]) >= distance);
         if is_separate && accepted.len() < count {
-            accepted.push(point);
+            accepted.push(*point);
         }
     }
-    accepted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     accepted
 }
 

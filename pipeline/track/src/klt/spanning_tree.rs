@@ -18,6 +18,9 @@ pub(super) struct SpanningTree {
     parents: Vec<Option<usize>>,
 }
 
+/// Two parts that the tree joins, child and parent, or their places.
+pub(super) type Pair = [usize; 2];
+
 /// What an assignment costs, no unit; infinite where it is impossible.
 pub(super) trait Cost {
     /// Number of places.
@@ -25,7 +28,7 @@ pub(super) trait Cost {
     /// Of a part at a place, or at none.
     fn part_cost(&self, part: usize, place: Option<usize>) -> f64;
     /// Of two parts that the tree joins, each at its place.
-    fn pair_cost(&self, parts: [usize; 2], places: [usize; 2]) -> f64;
+    fn pair_cost(&self, parts: Pair, places: Pair) -> f64;
 }
 
 impl SpanningTree {

@@ -11,7 +11,7 @@ use diagnostics::{Diagnostic, Result, input};
 ///
 /// # Errors
 /// A [`Diagnostic`] when the folder cannot be written.
-pub fn write<U: Universe>(runner: &Runner<U>, job: &Job<U>, manifest: &Manifest) -> Result<()> {
+pub(crate) fn copy_exhibit<U: Universe>(runner: &Runner<U>, job: &Job<U>, manifest: &Manifest) -> Result<()> {
     let Some(folder) = runner.folders.shown(job.entry.kind) else {
         return Ok(());
     };

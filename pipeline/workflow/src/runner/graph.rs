@@ -40,7 +40,7 @@ pub struct Goal {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the goal names an entry or a group that does not exist.
-pub fn jobs<U: Universe>(runner: &Runner<U>, goal: &Goal) -> Result<Vec<Job<U>>> {
+pub(crate) fn goal_jobs<U: Universe>(runner: &Runner<U>, goal: &Goal) -> Result<Vec<Job<U>>> {
     let entries: Vec<&'static Entry<U>> = runner.lists.iter().flat_map(|list| list.iter()).collect();
     check_goal(&entries, &runner.universe, goal)?;
     let planned = |entry: &&'static Entry<U>| -> Vec<Job<U>> {

@@ -28,7 +28,7 @@ struct Fingerprint {
 
 impl Fingerprint {
     /// Whether length and date are those of `now`.
-    fn fits(&self, now: &Self) -> bool {
+    fn is_unchanged(&self, now: &Self) -> bool {
         (self.length, self.date) == (now.length, now.date)
     }
 }
@@ -44,7 +44,7 @@ pub struct Hashes {
 impl Hashes {
     /// Those that a run wrote at `path` and those of single records at the `further` paths, used where length and date are equal; none where
     /// a file does not exist.
-    pub(crate) fn cached(path: &Path, further: impl ParallelIterator<Item = PathBuf>) -> Self {
+    pub(crate) fn from_caches(path: &Path, further: impl ParallelIterator<Item = PathBuf>) -> Self {
         let of_records = || further.map(|path| read_fingerprints(&path)).collect::<Vec<_>>();
         let (mut cached, of_records) = rayon::join(|| read_fingerprints(path), of_records);
         cached.extend(of_records.into_iter().flatten());
@@ -77,7 +77,7 @@ impl Hashes {
     pub fn write(&self, path: &Path) -> io::Result<()> {
         let mut fingerprints: BTreeMap<PathBuf, Fingerprint> =
             read_fingerprints(path).into_iter().map(|(path, then)| (PathBuf::from(path), then)).collect();
-        fingerprints.retain(|path, then| fs::metadata(path).is_ok_and(|now| then.fits(&fingerprint_of(&now))));
+        fingerprints.retain(|path, then| fs::metadata(path).is_ok_and(|now| then.is_unchanged(&fingerprint_of(&now))));
         fingerprints.append(&mut self.lock_fingerprints().clone());
         let text = serde_json::to_vec(&fingerprints).map_err(io::Error::other)?;
         write_atomically(path, &text)
@@ -95,7 +95,7 @@ impl Hashes {
 
     fn cached_hash(&self, path: &Path, now: &Fingerprint) -> Option<String> {
         let then = self.cached.get(path.to_str()?)?;
-        then.fits(now).then(|| then.hash.clone())
+        then.is_unchanged(now).then(|| then.hash.clone())
     }
 
     fn lock_fingerprints(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, Fingerprint>> {
@@ -132,7 +132,7 @@ mod tests {
         let part = Hashes::default();
         part.of(&first).unwrap();
         part.write(&path).unwrap();
-        let cached = Hashes::cached(&path, rayon::iter::empty());
+        let cached = Hashes::from_caches(&path, rayon::iter::empty());
         let hash_of = |file: &Path| cached.cached_hash(file, &fingerprint_of(&fs::metadata(file).unwrap()));
         assert_eq!([&first, &second, &third].map(|file| hash_of(file)), [Some(hash.clone()), Some(hash), None]);
         assert_eq!(cached.cached.len(), 2, "changed files are not kept");

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::Runner;
 use super::graph::{Job, reachable_records};
 use super::hashes::Hashes;
-use super::plan::{Action, judge};
+use super::plan::{Action, judge_jobs};
 use crate::needs::RecordId;
 use crate::subject::Universe;
 use diagnostics::{Diagnostic, Result};
@@ -26,11 +26,11 @@ pub struct Task<U: 'static> {
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no such record, or when an input is missing or stale.
-pub fn task<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<Task<U>> {
+pub(crate) fn split_task<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<Task<U>> {
     let named = find_records(&jobs, names)?;
     let needed = reachable_records(&jobs, named.clone());
     let jobs: Vec<Job<U>> = jobs.into_iter().filter(|job| needed.contains(&job.id)).collect();
-    let plan = judge(runner, &jobs);
+    let plan = judge_jobs(runner, &jobs);
     let stale = |(job, action): &(&Job<U>, &Action)| !named.contains(&job.id) && !action.keeps();
     let stale: Vec<(&Job<U>, &Action)> = jobs.iter().zip(&plan.actions).filter(stale).collect();
     if let Some((first, action)) = stale.first() {
@@ -51,12 +51,12 @@ pub fn task<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]
 ///
 /// # Errors
 /// A [`Diagnostic`] when there is no such record, or that names the first that is not up to date.
-pub fn require<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<()> {
+pub(crate) fn require_current<U: Universe>(runner: &Runner<U>, jobs: Vec<Job<U>>, names: &[String]) -> Result<()> {
     let named = find_records(&jobs, names)?;
     let stages: Vec<&str> = named.iter().map(|id| id.stage).collect();
     let needed = reachable_records(&jobs, named.clone());
     let jobs: Vec<Job<U>> = jobs.into_iter().filter(|job| needed.contains(&job.id)).collect();
-    let actions = judge(runner, &jobs).actions;
+    let actions = judge_jobs(runner, &jobs).actions;
     match jobs.iter().zip(&actions).find(|(_, action)| !action.keeps()) {
         None => Ok(()),
         Some((job, action)) => Err(Diagnostic::new(

@@ -125,7 +125,7 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when there is no such record, or when one of those that it reads is missing or stale: the first is named with the
     /// reason, and with the command that makes them.
     pub fn make(&self, names: &[String]) -> Result<RunSummary> {
-        let task = make::task(self, self.jobs_of(&Goal::default())?, names)?;
+        let task = make::split_task(self, self.jobs_of(&Goal::default())?, names)?;
         let finish =
             |work: &Work<'_, U>| make::write_hashes(self, work.jobs, work.hashes).map_err(|e| self.without_hashes(e));
         self.run_task(task, &|_| false, &finish)
@@ -203,7 +203,7 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn plan(&self, goal: &Goal) -> Result<String> {
         let jobs = self.jobs_of(goal)?;
-        let text = plan::text(self, &jobs);
+        let text = plan::plan_text(self, &jobs);
         // thirty thousand cards and settings take a tenth of a second to drop one after the other
         jobs.into_par_iter().for_each(drop);
         Ok(text)
@@ -214,7 +214,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn schedule(&self, goal: &Goal, workers: &[usize]) -> Result<String> {
-        Ok(schedule::text(self, &self.jobs_of(goal)?, workers))
+        Ok(schedule::schedule_text(self, &self.jobs_of(goal)?, workers))
     }
 
     /// What the records of each stage took, and how many are left to make.
@@ -222,7 +222,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn times(&self, goal: &Goal) -> Result<String> {
-        Ok(times::text(self, &self.jobs_of(goal)?))
+        Ok(times::times_text(self, &self.jobs_of(goal)?))
     }
 
     /// The records that a run would make, by name.
@@ -230,7 +230,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn stale(&self, goal: &Goal) -> Result<Vec<String>> {
-        Ok(plan::stale(self, &self.jobs_of(goal)?))
+        Ok(plan::stale_records(self, &self.jobs_of(goal)?))
     }
 
     /// The records in the store that a run for the goal would not keep, each with the reason.
@@ -238,7 +238,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn outdated(&self, goal: &Goal) -> Result<Vec<Outdated>> {
-        Ok(plan::outdated(self, &self.jobs_of(goal)?))
+        Ok(plan::outdated_records(self, &self.jobs_of(goal)?))
     }
 
     /// Holds that these records, named `stage/subject`, and all that they read are up to date: what is made from them is of one state of
@@ -247,7 +247,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] that names the first record that is missing or stale, with the reason and the command that makes it.
     pub fn require(&self, names: &[String]) -> Result<()> {
-        make::require(self, self.jobs_of(&Goal::default())?, names)
+        make::require_current(self, self.jobs_of(&Goal::default())?, names)
     }
 
     /// The dependency tree of the stages, with how many records of each a run would keep and make.
@@ -255,7 +255,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn tree(&self, goal: &Goal) -> Result<String> {
-        Ok(tree::text(&self.stage_graph(), &self.shares(goal)?))
+        Ok(tree::tree_text(&self.stage_graph(), &self.shares(goal)?))
     }
 
     /// How many records of each stage a run would keep and make.
@@ -263,7 +263,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn shares(&self, goal: &Goal) -> Result<BTreeMap<&'static str, Share>> {
-        Ok(plan::shares(self, &self.jobs_of(goal)?))
+        Ok(plan::stage_shares(self, &self.jobs_of(goal)?))
     }
 
     /// The inputs of each record of a stage, and the differences that make it stale.
@@ -272,7 +272,7 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when there is no such stage.
     pub fn why(&self, entry: &str) -> Result<String> {
         let goal = Goal { entries: vec![entry.into()], group: None };
-        Ok(plan::why(self, &self.jobs_of(&goal)?, entry))
+        Ok(plan::explain_staleness(self, &self.jobs_of(&goal)?, entry))
     }
 
     /// What reads what.
@@ -285,7 +285,7 @@ impl<U: Universe> Runner<U> {
     /// # Errors
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn jobs_of(&self, goal: &Goal) -> Result<Vec<Job<U>>> {
-        graph::jobs(self, goal)
+        graph::goal_jobs(self, goal)
     }
 
     /// The metrics of all records that are up to date, by name; of a name shared by several subjects, the largest.

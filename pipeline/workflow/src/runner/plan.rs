@@ -8,7 +8,7 @@ use super::Runner;
 use super::graph::Job;
 use super::hashes::Hashes;
 use super::manifest::Outline;
-use super::staleness::{State, present, state};
+use super::staleness::{State, present_inputs, record_state};
 use super::store::{Found, Store};
 use crate::entry::Kind;
 use crate::needs::RecordId;
@@ -24,8 +24,8 @@ pub(super) enum Action {
 }
 
 /// One line a record, and a last line with the count.
-pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
-    let actions = judge(runner, jobs).actions;
+pub(crate) fn plan_text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
+    let actions = judge_jobs(runner, jobs).actions;
     let mut lines: Vec<String> = jobs.iter().zip(&actions).map(|(job, action)| plan_line(job, action)).collect();
     let stale = actions.iter().filter(|action| !action.keeps()).count();
     lines.push(format!("{} of {} records would be made", stale, jobs.len()));
@@ -33,15 +33,15 @@ pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
 }
 
 /// The names of the records that would be made.
-pub fn stale<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
-    let actions = judge(runner, jobs).actions;
+pub(crate) fn stale_records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
+    let actions = judge_jobs(runner, jobs).actions;
     let stale = jobs.iter().zip(&actions).filter(|(_, action)| !action.keeps());
     stale.map(|(job, _)| job.id.to_string()).collect()
 }
 
 /// The records that a run would keep.
 pub(crate) fn up_to_date<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeSet<RecordId> {
-    let actions = judge(runner, jobs).actions;
+    let actions = judge_jobs(runner, jobs).actions;
     jobs.iter().zip(&actions).filter(|(_, action)| action.keeps()).map(|(job, _)| job.id.clone()).collect()
 }
 
@@ -55,16 +55,16 @@ pub struct Outdated {
 }
 
 /// The records in the store that a run would not keep: what is shown or exported of them would be of other inputs than the present ones.
-pub fn outdated<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Outdated> {
-    let plan = judge(runner, jobs);
+pub(crate) fn outdated_records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Outdated> {
+    let plan = judge_jobs(runner, jobs);
     let in_store = |job: &Job<U>| runner.folders.record(&job.id).exists();
     let outdated = jobs.iter().zip(&plan.actions).filter(|(job, action)| !action.keeps() && in_store(job));
     outdated.map(|(job, action)| Outdated { id: job.id.clone(), reason: action.in_words() }).collect()
 }
 
 /// The inputs of the records of one stage, and the differences that make them stale.
-pub fn why<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], entry: &str) -> String {
-    let actions = judge(runner, jobs).actions;
+pub(crate) fn explain_staleness<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], entry: &str) -> String {
+    let actions = judge_jobs(runner, jobs).actions;
     let of_entry = jobs.iter().zip(&actions).filter(|(job, _)| job.id.stage == entry);
     of_entry
         .map(|(job, action)| format!("{}\n{}", plan_line(job, action), record_history(runner, job)))
@@ -91,9 +91,11 @@ impl Share {
 }
 
 /// The share of each stage.
-pub fn shares<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeMap<&'static str, Share> {
+pub(crate) fn stage_shares<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeMap<&'static str, Share> {
     let mut shares: BTreeMap<&'static str, Share> = BTreeMap::new();
-    for (job, action) in jobs.iter().zip(judge(runner, jobs).actions).filter(|(job, _)| job.entry.kind == Kind::Stage) {
+    for (job, action) in
+        jobs.iter().zip(judge_jobs(runner, jobs).actions).filter(|(job, _)| job.entry.kind == Kind::Stage)
+    {
         let share = shares.entry(job.id.stage).or_default();
         match action {
             Action::Kept => share.kept += 1,
@@ -113,9 +115,9 @@ pub(super) struct Plan {
 
 /// Compares the inputs of all records with their manifests, in parallel. A record that reads a kept one takes its content from the
 /// disk; one that reads a record to be made waits.
-pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
+pub(super) fn judge_jobs<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
     let record_hashes = jobs.par_iter().map(|job| runner.folders.record_hashes(&job.id));
-    let hashes = Hashes::cached(&runner.folders.hashes(), record_hashes);
+    let hashes = Hashes::from_caches(&runner.folders.hashes(), record_hashes);
     let store = Store::new(&runner.folders);
     let stored: Vec<Found<Outline>> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
     let content =
@@ -123,9 +125,9 @@ pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
     let contents: BTreeMap<RecordId, String> = jobs.iter().zip(&stored).filter_map(content).collect();
     // The whole manifest is read of stale records alone, for their differences.
     let judge = |(job, stored): (&Job<U>, &Found<Outline>)| {
-        let now = present(runner, job, &contents, &hashes)?;
+        let now = present_inputs(runner, job, &contents, &hashes)?;
         let unchanged = stored.manifest().is_some_and(|outline| outline.key == now.key());
-        Ok(if unchanged { None } else { Some(state(runner, job, &now.made_from(), &hashes)) })
+        Ok(if unchanged { None } else { Some(record_state(runner, job, &now.made_from(), &hashes)) })
     };
     let states: Vec<Result<Option<State>>> = jobs.par_iter().zip(&stored).map(judge).collect();
     let mut changing = BTreeSet::new();

@@ -23,7 +23,7 @@ use super::manifest::{MadeFrom, Manifest};
 use super::memory::Budget;
 use super::process::Process;
 use super::report::Report;
-use super::staleness::{State, made_from, state};
+use super::staleness::{State, made_from, record_state};
 use super::store::{KeyedReader, Store};
 use super::usage::Meter;
 use super::{RunSummary, Runner, remedy};
@@ -241,7 +241,7 @@ impl<U: Universe> Pool<'_, U> {
             return Ok(End::Elsewhere(process));
         }
         let now = made_from(self.runner, job, contents, self.hashes)?;
-        if let Some(end) = self.keep_current(job, state(self.runner, job, &now, self.hashes))? {
+        if let Some(end) = self.keep_current(job, record_state(self.runner, job, &now, self.hashes))? {
             return Ok(end);
         }
         match self.holder.ask(&path)? {
@@ -253,7 +253,7 @@ impl<U: Universe> Pool<'_, U> {
     fn keep_current(&self, job: &Job<U>, state: State) -> Result<Option<End>> {
         match state {
             State::Kept(manifest) if !(self.forced)(job) => {
-                exhibit::write(self.runner, job, &manifest)?;
+                exhibit::copy_exhibit(self.runner, job, &manifest)?;
                 self.report.kept(&job.id);
                 Ok(Some(End::Kept(manifest.content)))
             }
@@ -269,7 +269,7 @@ impl<U: Universe> Pool<'_, U> {
     ) -> Result<End> {
         lock.sweep();
         // Another process may have made it since it was found stale.
-        let current = state(self.runner, job, &now, self.hashes);
+        let current = record_state(self.runner, job, &now, self.hashes);
         if let State::Damaged(damage) = &current {
             self.report.warn(&format!("record `{}` is made again: {damage}", job.id));
         }
@@ -277,7 +277,7 @@ impl<U: Universe> Pool<'_, U> {
             return Ok(end);
         }
         let manifest = self.make_record(lock, (job, now), contents)?;
-        exhibit::write(self.runner, job, &manifest)?;
+        exhibit::copy_exhibit(self.runner, job, &manifest)?;
         self.report.made(&job.id, &manifest.summary, manifest.seconds);
         Ok(End::Made(manifest.content))
     }

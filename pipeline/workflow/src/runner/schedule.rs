@@ -23,7 +23,7 @@ struct Tasks {
 }
 
 /// One line a number of workers, then the longest chain of records.
-pub(super) fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], workers: &[usize]) -> String {
+pub(super) fn schedule_text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], workers: &[usize]) -> String {
     let store = Store::new(&runner.folders);
     let measured: Vec<Option<f64>> =
         jobs.iter().map(|job| store.measured(&job.id).map(|measured| measured.seconds)).collect();
@@ -169,7 +169,8 @@ mod tests {
     #[test]
     fn records_that_were_never_made_count_as_nothing_and_are_counted() {
         let root = std::env::temp_dir().join(format!("schedule-{}", std::process::id()));
-        let schedule = text(&crate::testing::runner(&root), &[job("a", &[], &[]), job("all", &[], &["a"])], &[1, 16]);
+        let schedule =
+            schedule_text(&crate::testing::runner(&root), &[job("a", &[], &[]), job("all", &[], &["a"])], &[1, 16]);
         let lines: Vec<&str> = schedule.lines().map(str::trim_start).collect();
         assert!(lines[0].starts_with("1 workers:") && lines[1].starts_with("16 workers:"), "{schedule}");
         assert!(lines[2].starts_with("critical path, 0.0 s: nothing/"), "{schedule}");

@@ -34,11 +34,11 @@ pub fn made_from<U: Universe>(
     contents: &BTreeMap<RecordId, String>,
     hashes: &Hashes,
 ) -> Result<MadeFrom> {
-    present(runner, job, contents, hashes).map(Present::made_from)
+    present_inputs(runner, job, contents, hashes).map(Present::made_from)
 }
 
 /// The same, borrowed.
-pub(super) fn present<'a, U: Universe>(
+pub(super) fn present_inputs<'a, U: Universe>(
     runner: &Runner<U>,
     job: &'a Job<U>,
     contents: &'a BTreeMap<RecordId, String>,
@@ -60,12 +60,12 @@ pub(super) fn present<'a, U: Universe>(
 }
 
 /// Compares what lies on disk with what a job would be made from now.
-pub fn state<U: Universe>(runner: &Runner<U>, job: &Job<U>, now: &MadeFrom, hashes: &Hashes) -> State {
-    judged(Store::new(&runner.folders).find_with(&job.id, hashes), now)
+pub(crate) fn record_state<U: Universe>(runner: &Runner<U>, job: &Job<U>, now: &MadeFrom, hashes: &Hashes) -> State {
+    compared_state(Store::new(&runner.folders).find_with(&job.id, hashes), now)
 }
 
 /// Compares what was found with what a job would be made from now.
-pub fn judged(stored: Found, now: &MadeFrom) -> State {
+pub(crate) fn compared_state(stored: Found, now: &MadeFrom) -> State {
     match stored {
         Found::Nothing => State::Stale(vec!["it was never made".into()]),
         Found::Damaged(damage) => State::Damaged(damage),

@@ -27,7 +27,7 @@ struct StageTime<'a> {
 }
 
 /// One line a stage in the order of the pipeline, then the sum.
-pub(super) fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
+pub(super) fn times_text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
     let (store, up_to_date) = (Store::new(&runner.folders), plan::up_to_date(runner, jobs));
     let records: Vec<Record> = jobs.iter().map(|job| planned_record(job, &store, &up_to_date)).collect();
     format_table(&records)

@@ -15,8 +15,8 @@ struct Tree<'a> {
 }
 
 /// One line a recording or stage.
-pub fn text(graph: &StageGraph, shares: &BTreeMap<&'static str, Share>) -> String {
-    let direct = graph.direct();
+pub(crate) fn tree_text(graph: &StageGraph, shares: &BTreeMap<&'static str, Share>) -> String {
+    let direct = graph.direct_inputs();
     let mut children: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (node, reads) in direct.iter().enumerate() {
         if let Some(parent) = reads.iter().max() {

@@ -11,7 +11,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use diagnostics::{Diagnostic, Result, input};
 use serde_json::{Map, Value, json};
 
-use super::{as_text, below};
+use super::{as_text, relative_path};
 use crate::entry::{Entry, Kind};
 use crate::runner::{Folders, Goal, Job, Runner, up_to_date, write_atomically};
 use crate::subject::Universe;
@@ -37,19 +37,19 @@ pub fn update<U: Universe>(runner: &Runner<U>, folder: &Path, goal: &Goal) -> Re
     let up_to_date = up_to_date(runner, &jobs);
     let mut changed = !runner.folders.metrics().is_file();
     for job in &jobs {
-        let mark = runner.folders.base().join(mark(&runner.folders, &job.id.to_string()));
+        let mark = runner.folders.base().join(mark_path(&runner.folders, &job.id.to_string()));
         changed |= set_mark(&mark, up_to_date.contains(&job.id)).map_err(|e| write_error(&mark, e))?;
     }
     if changed {
-        let mark = runner.folders.base().join(mark(&runner.folders, PUBLICATION));
+        let mark = runner.folders.base().join(mark_path(&runner.folders, PUBLICATION));
         set_mark(&mark, false).map_err(|e| write_error(&mark, e))?;
     }
     Ok(())
 }
 
 /// The mark of a record, from the profile's folder.
-pub(super) fn mark(folders: &Folders, record: &str) -> String {
-    format!("{}/.made/{record}.done", below(folders, &folders.processed()))
+pub(super) fn mark_path(folders: &Folders, record: &str) -> String {
+    format!("{}/.made/{record}.done", relative_path(folders, &folders.processed()))
 }
 
 /// The rule that makes each record, and the records that it reads.
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_mark_has_the_date_of_all_others_and_its_change_is_known() {
         let root = std::env::temp_dir().join(format!("marks-{}", std::process::id()));
-        let mark = root.join(mark(&runner(&root).folders, "mesh/a"));
+        let mark = root.join(mark_path(&runner(&root).folders, "mesh/a"));
         assert!(mark.ends_with("data/processed/.made/mesh/a.done"), "{}", mark.display());
         let date = || mark.metadata().unwrap().modified().unwrap();
         assert!(!set_mark(&mark, false).unwrap() && set_mark(&mark, true).unwrap() && !set_mark(&mark, true).unwrap());

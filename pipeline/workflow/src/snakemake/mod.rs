@@ -106,7 +106,7 @@ pub fn path_to(outer: &Path, inner: &Path) -> Result<String> {
 }
 
 /// A path below the profile's folders, with `/` between them.
-fn below(folders: &Folders, path: &Path) -> String {
+fn relative_path(folders: &Folders, path: &Path) -> String {
     let path = path.strip_prefix(folders.base()).unwrap_or(path);
     path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
 }

@@ -1,6 +1,6 @@
 //! The Snakefile: its head, and a rule for each stage, figure or table.
 
-use super::marks::{PUBLICATION, TABLE, mark, rule_name};
+use super::marks::{PUBLICATION, TABLE, mark_path, rule_name};
 use super::resources::Resources;
 use crate::entry::{Entry, Kind};
 use crate::runner::{Job, Measured, Runner, Store};
@@ -18,7 +18,7 @@ pub fn snakefile<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], is_whole: boo
     let mut text = HEAD
         .replace("LOCAL", &local.collect::<String>())
         .replace("TABLE", TABLE)
-        .replace("MARK", &mark(&runner.folders, "{record}"))
+        .replace("MARK", &mark_path(&runner.folders, "{record}"))
         .replace("PUBLICATION", PUBLICATION);
     for (entry, entry_jobs) in &entries {
         text += &rule_text(runner, entry, entry_jobs);
@@ -93,7 +93,7 @@ fn rule_text<U: Universe>(runner: &Runner<U>, entry: &Entry<U>, jobs: &[&Job<U>]
     let mut text = format!("\n\n# {}\n# {measured}\nrule {}:\n", entry.description, rule_name(entry));
     let mut line = |words: String| text += &format!("    {words}\n");
     line(format!("input: reads(\"{name}\")"));
-    line(format!("output: touch(\"{}\")", mark(&runner.folders, &format!("{name}/{{subject}}"))));
+    line(format!("output: touch(\"{}\")", mark_path(&runner.folders, &format!("{name}/{{subject}}"))));
     line(format!("wildcard_constraints: subject=subjects(\"{}\")", rule_name(entry)));
     line(format!("params: record=\"{name}/{{subject}}\""));
     line(format!("threads: {}", asked.threads));

@@ -54,15 +54,15 @@ impl StageGraph {
     }
 
     /// The direct inputs of each node without those implied by others (transitive reduction).
-    pub fn direct(&self) -> Vec<Vec<usize>> {
-        let ancestors = self.ancestors();
+    pub fn direct_inputs(&self) -> Vec<Vec<usize>> {
+        let ancestors = self.all_ancestors();
         let through = |reads: &[usize], input: usize| reads.iter().any(|&read| ancestors[read].contains(&input));
         let direct = |node: &Node| node.reads.iter().copied().filter(|&input| !through(&node.reads, input)).collect();
         self.nodes.iter().map(direct).collect()
     }
 
     /// All ancestors of each node.
-    fn ancestors(&self) -> Vec<BTreeSet<usize>> {
+    fn all_ancestors(&self) -> Vec<BTreeSet<usize>> {
         let mut ancestors: Vec<BTreeSet<usize>> = Vec::new();
         for node in &self.nodes {
             let parents: BTreeSet<usize> = node.reads.iter().copied().filter(|&i| i < ancestors.len()).collect();
@@ -91,6 +91,6 @@ mod tests {
     fn an_edge_implied_by_others_is_not_drawn() {
         let nodes = vec![node("film", &[]), node("track", &[0]), node("clock", &[0, 1]), node("fit", &[1, 2])];
         let graph = StageGraph { nodes, recordings: 1 };
-        assert_eq!(graph.direct(), [vec![], vec![0], vec![1], vec![2]]);
+        assert_eq!(graph.direct_inputs(), [vec![], vec![0], vec![1], vec![2]]);
     }
 }

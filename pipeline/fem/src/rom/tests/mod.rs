@@ -149,6 +149,7 @@ fn at_equilibrium<T>(body: &ReducedModel, pressures: &[f64], of: impl FnOnce(&St
         stencil: &Stencil { gamma: 0.0, weights: Vec::new() },
         pressures,
         acting: &body.elastic(&[1.0]),
+        contact: None,
         external: &NoForce,
         time: 0.0,
         past: [zero(), zero(), zero()],

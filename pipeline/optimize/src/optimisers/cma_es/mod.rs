@@ -67,14 +67,14 @@ impl CmaEs {
             covariance_path: vec![0.0; n],
             best: None,
         };
-        Self::resume(problem, set, state)
+        Self::resume_from(problem, set, state)
     }
 
     /// CMA-ES from a saved state.
     ///
     /// # Errors
     /// [`OptimiseError`] when a setting permits no sample, or the state is of another problem.
-    pub(crate) fn resume(problem: &Problem, set: &Settings, state: State) -> Result<Self, OptimiseError> {
+    pub(crate) fn resume_from(problem: &Problem, set: &Settings, state: State) -> Result<Self, OptimiseError> {
         let setting_error =
             |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
         if set.population < 4 {
@@ -214,7 +214,7 @@ mod tests {
         for _ in 0..5 {
             answer(&mut whole, rosenbrock);
         }
-        let mut rest = CmaEs::resume(&problem(3), &set, whole.state().clone()).unwrap();
+        let mut rest = CmaEs::resume_from(&problem(3), &set, whole.state().clone()).unwrap();
         for _ in 0..5 {
             assert_eq!(whole.ask(), rest.ask());
             assert_eq!(answer(&mut whole, rosenbrock), answer(&mut rest, rosenbrock));

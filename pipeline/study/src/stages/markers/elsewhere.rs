@@ -89,7 +89,7 @@ pub(crate) fn markers_in_space(
     let step = if time.windows(2).all(|t| FAST * (t[1] - t[0]) < 1.001) { STEP * length } else { f64::INFINITY };
     let limits = Limits { step, neighbour_distance: NEIGHBOURS, longest_gap: 0, unit: "m", source: SOURCE };
     imported::check_tracks(&mut tracks, &limits).map_err(|e| Diagnostic::from(e).in_file(file))?;
-    let markers: Vec<Path> = tracks.iter().map(Path::imported).collect();
+    let markers: Vec<Path> = tracks.iter().map(Path::from_import).collect();
     let parts = CovarianceParts { noise: vec![noise; time.len()], shared: vec![mark; time.len()] };
     Ok(Markers { parts: vec![parts; markers.len()], time, markers, left_out: Vec::new(), stand: None })
 }

@@ -155,7 +155,7 @@ impl<'a> Apparatus<'a> {
             force: time.iter().map(|&t| resample::cubic(&clean, t)).collect(),
             pressure: time.iter().map(|&t| values_at(&pressed, t)).collect(),
             pressure_rate: time.iter().map(|&t| values_at(&pressed_rate, t)).collect(),
-            terms: run::parts(tail, &moved, &speed, rate),
+            terms: run::theory_terms(tail, &moved, &speed, rate),
             time,
             moved,
             speed,
@@ -250,6 +250,6 @@ fn smoothed_series(samples: &Samples, cutoff: Hertz) -> Result<Series> {
 }
 
 fn rate_of(series: &Series) -> Series {
-    let rates = run::rates(series.values(), series.rate());
+    let rates = run::central_rates(series.values(), series.rate());
     Series::new(series.start(), series.rate(), rates).expect("differences of finite values")
 }

@@ -89,7 +89,7 @@ impl Stage for Thrust {
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let (mesh, Maybe(cell), trials) = needs;
-        let tail = Outline::new(card, &mesh.solid).marked(set.density, set.sections)?;
+        let tail = Outline::new(card, &mesh.solid).marker_tail(set.density, set.sections)?;
         let apparatus = Apparatus::from_staircases(&trials, cell.as_ref(), card.markers_by_x(), set)?;
         let (runs, taken) = trials.flapping_runs(&tail, &apparatus)?;
         let (scores, models) = fit_models(&runs, set, context)?;

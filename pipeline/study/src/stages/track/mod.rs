@@ -170,7 +170,7 @@ pub fn imported_paths(card: &Card, set: klt::Settings, frames: usize, context: &
     let places = |t: &lab::pixels::PixelTrack| t.at.clone().into_iter().zip(t.covariance.clone());
     let mut tracks: Vec<_> = read.iter().map(|t| ImportedTrack::new(&t.name, places(t))).collect();
     imported::check_tracks(&mut tracks, &Limits::from_settings(&set)).map_err(|e| in_file(e.into()))?;
-    Ok(tracks.iter().map(Path::imported).collect())
+    Ok(tracks.iter().map(Path::from_import).collect())
 }
 
 /// Tracks up to the current frame.
