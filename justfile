@@ -218,6 +218,7 @@ bench-python:
 lint:
     cargo fmt --all --check
     cargo clippy --release --workspace --exclude typeset --exclude python --all-targets --locked -- -D warnings
+    RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --workspace --exclude typeset --exclude python --locked
 
 # the wheel of the Python package, in target/wheels; needs Python 3.10 or later. It runs where the programs do (.cargo/config.toml)
 wheel:

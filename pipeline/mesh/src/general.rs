@@ -44,14 +44,14 @@ pub(crate) fn mesh_general(
     set: &Settings,
     watch: &dyn Fn(&str),
 ) -> Result<(TetMesh, Report), MeshError> {
-    let wishes = tetrahedralize::Settings::new(set.edge);
-    let closed = ClosedParts::of_assembly(assembly, SEAM * wishes.envelope);
+    let request = tetrahedralize::Settings::new(set.edge);
+    let closed = ClosedParts::of_assembly(assembly, SEAM * request.envelope);
     let assembly = &closed.assembly();
     let parts = assembly.inserts.iter().map(|s| ("insert", *s)).chain(assembly.cavities.iter().map(|s| ("cavity", *s)));
     let named: Vec<(&'static str, &Surface)> = std::iter::once(("body", assembly.body)).chain(parts).collect();
     check_size(&named, set)?;
     let visible = assembly.visible_parts(set.edge);
-    let chosen = best_candidate((assembly, visible.as_ref()), set, wishes, watch)?;
+    let chosen = best_candidate((assembly, visible.as_ref()), set, request, watch)?;
     Ok((chosen.mesh, closed.with_repairs(chosen.report)))
 }
 
@@ -59,22 +59,22 @@ pub(crate) fn mesh_general(
 fn best_candidate(
     (assembly, visible): (&Assembly, Option<&Surface>),
     set: &Settings,
-    mut wishes: tetrahedralize::Settings,
+    mut request: tetrahedralize::Settings,
     watch: &dyn Fn(&str),
 ) -> Result<Candidate, MeshError> {
-    let (aim, mut best, mut refusal) = (wishes.envelope, None::<Candidate>, None);
+    let (aim, mut best, mut refusal) = (request.envelope, None::<Candidate>, None);
     for attempt in 0..ATTEMPTS {
         if attempt > 0 {
             watch(&format!(
                 "once more with edges of {:.3} mm and an envelope of {:.4} mm",
-                wishes.edge * 1e3,
-                wishes.envelope * 1e3
+                request.edge * 1e3,
+                request.envelope * 1e3
             ));
         }
-        match mesh_candidate((assembly, visible), set, &wishes, watch) {
+        match mesh_candidate((assembly, visible), set, &request, watch) {
             Ok(latest) if latest.miss <= 1.0 => return Ok(latest),
             Ok(latest) => {
-                wishes = closer_settings(wishes, latest.report.hausdorff_m / aim);
+                request = closer_settings(request, latest.report.hausdorff_m / aim);
                 let former_miss = best.as_ref().map_or(f64::INFINITY, |b| b.miss);
                 let nearer = latest.miss < WORTH * former_miss;
                 if latest.miss < former_miss {
@@ -88,7 +88,7 @@ fn best_candidate(
             Err(why @ MeshError::General(_)) => return Err(why),
             Err(why) => {
                 refusal.get_or_insert(why);
-                wishes = closer_settings(wishes, 1.0);
+                request = closer_settings(request, 1.0);
             }
         }
     }
@@ -132,21 +132,21 @@ impl ClosedParts {
 }
 
 /// Settings of another attempt, after one whose distance was so many times the one aimed at.
-fn closer_settings(wishes: tetrahedralize::Settings, distance: f64) -> tetrahedralize::Settings {
+fn closer_settings(request: tetrahedralize::Settings, distance: f64) -> tetrahedralize::Settings {
     match distance > 1.0 {
         // Closer than in proportion, so that the next attempt does not end on the limit.
-        true => tetrahedralize::Settings { envelope: 0.93 * wishes.envelope / distance, ..wishes },
-        false => tetrahedralize::Settings { edge: OTHER_LATTICE * wishes.edge, ..wishes },
+        true => tetrahedralize::Settings { envelope: 0.93 * request.envelope / distance, ..request },
+        false => tetrahedralize::Settings { edge: OTHER_LATTICE * request.edge, ..request },
     }
 }
 
 fn mesh_candidate(
     (assembly, visible): (&Assembly, Option<&Surface>),
     set: &Settings,
-    wishes: &tetrahedralize::Settings,
+    request: &tetrahedralize::Settings,
     watch: &dyn Fn(&str),
 ) -> Result<Candidate, MeshError> {
-    let tetrahedra = tetrahedralize_watched(&assembly.parts(), wishes, watch)?;
+    let tetrahedra = tetrahedralize_watched(&assembly.parts(), request, watch)?;
     let repairs = tetrahedra.repairs.iter().map(ToString::to_string).collect();
     let raw = RawMesh::of_tetrahedra(tetrahedra.nodes, &tetrahedra.tets, &tetrahedra.regions);
     let mesh = match raw.check(1.0, false).map_err(|defect| MeshError::Defect { message: defect.to_string() })?.solid {

@@ -56,7 +56,7 @@ fn measured(truth: [f64; 2], draw: &mut ChaCha8Rng) -> Vec<f64> {
     films.iter().enumerate().map(|(i, u)| u * (1.0 + shares[i / half]) + NOISE * normal(draw)).collect()
 }
 
-fn weighing(measured: &[f64]) -> Whitening {
+fn estimated_whitening(measured: &[f64]) -> Whitening {
     let half = measured.len() / 2;
     let block = |film: &[f64]| {
         let entry = |i: usize, j: usize| SHARE * SHARE * film[i] * film[j] + if i == j { NOISE * NOISE } else { 0.0 };
@@ -72,14 +72,14 @@ fn coverage() -> [f64; 2] {
     let mut held = [0usize; 2];
     for _ in 0..REPEATS {
         let data = measured(truth, &mut draw);
-        let weighing = weighing(&data);
+        let whitening = estimated_whitening(&data);
         let bounds = Bounds { low: vec![-1.0; 2], high: vec![1.0; 2] };
         let problem = Problem::new(&["body", "spine"], vec![0.0; 2], bounds).unwrap();
         let mut answer = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, OptimiseError> {
             let one = |at: &Vec<f64>| {
                 let log = [at[0], at[1]];
                 let values = all(log).iter().zip(&data).map(|(s, m)| s - m).collect();
-                let residuals = weighing.apply(&Residuals { values, jacobian: jacobian(log) }, 2)?;
+                let residuals = whitening.apply(&Residuals { values, jacobian: jacobian(log) }, 2)?;
                 Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), 0.0) })
             };
             batch.iter().map(one).collect()

@@ -1,7 +1,7 @@
 //! The discretisation error of identified parameters, estimated on a finer mesh.
 //!
 //! On a mesh with finer edges the displacements at the same parameters are closer to those of the continuum; the difference is an estimate of
-//! the error of the mesh that identifies [roache1997]. The parameters follow that error as far as a change of theirs looks like it. It is
+//! the error of the mesh that identifies \[roache1997\]. The parameters follow that error as far as a change of theirs looks like it. It is
 //! the same in every film, so more films do not reduce it.
 
 use optimize::Residuals;

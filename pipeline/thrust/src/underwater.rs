@@ -44,7 +44,7 @@ impl<'a> UnderwaterModel<'a> {
     /// Displacement of the observed marker along x and y, m, as functions of the film's time.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when a step finds no motion.
+    /// A [`Diagnostic`](diagnostics::Diagnostic) when a step finds no motion.
     pub fn path(&self, settings: &DynamicSettings, by: Coefficients, actuation: &Actuation) -> Result<[Samples; 2]> {
         let times = actuation.times(settings.step);
         let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), times: &times };

@@ -2,7 +2,7 @@
 //!
 //! A [`Twin`] flaps in still water under the pressures of a valve that follows the waveform; fitted theory gives the thrust of its motion. One
 //! adjoint gives the derivatives by every pressure, and with them those by all harmonics; the frequency, which changes the
-//! length of every step, is differentiated by two further motions. Adam [kingma2015] climbs from the best square wave.
+//! length of every step, is differentiated by two further motions. Adam \[kingma2015\] climbs from the best square wave.
 
 use hydro::Tail;
 use nalgebra::{DMatrix, DVector};

@@ -47,9 +47,9 @@ int main(int count, char **arguments) {
     if (!state) fail();
     for (int n = 0; n < 3 * (int)RATE; n++) {
         double tip = twin_output(tail, state, (size_t)output), error = goal - tip;
-        double wish = gain * (0.5 * error + 5.0 * (integral + error / RATE) - 0.04 * (tip - last) * RATE);
-        double pressure = fmax(-highest, fmin(highest, wish)), pressures[2] = {fmax(pressure, 0.0), fmax(-pressure, 0.0)};
-        if (pressure == wish) integral += error / RATE; /* it stands still while the valves are at their limit */
+        double command = gain * (0.5 * error + 5.0 * (integral + error / RATE) - 0.04 * (tip - last) * RATE);
+        double pressure = fmax(-highest, fmin(highest, command)), pressures[2] = {fmax(pressure, 0.0), fmax(-pressure, 0.0)};
+        if (pressure == command) integral += error / RATE; /* it stands still while the valves are at their limit */
         last = tip;
         if (twin_step(tail, state, pressures, 1.0 / RATE)) fail();
     }

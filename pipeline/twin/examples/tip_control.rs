@@ -37,11 +37,11 @@ pub fn follow(twin: &Twin, by: &Controller, target: &dyn Fn(f64) -> f64, duratio
     for n in 0..(duration * RATE) as usize {
         let (goal, tip) = (target(n as f64 / RATE), twin.output(&state, by.output));
         let (error, velocity) = (goal - tip, (tip - last) * RATE);
-        let wish = by.proportional * error + by.integral * (sum + error / RATE) - by.derivative * velocity;
+        let command = by.proportional * error + by.integral * (sum + error / RATE) - by.derivative * velocity;
         last = tip;
-        let pressure = wish.clamp(-by.highest, by.highest);
+        let pressure = command.clamp(-by.highest, by.highest);
         // the integral stands still while the valves are at their limit
-        if wish == pressure {
+        if command == pressure {
             sum += error / RATE;
         }
         let mut pressures = vec![0.0; by.chambers.iter().max().map_or(0, |last| last + 1)];

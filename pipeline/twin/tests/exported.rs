@@ -47,10 +47,10 @@ fn controlled_tip(goal: f64) -> f64 {
     for _ in 0..3000 {
         let tip = twin.output(&state, output);
         let error = goal - tip;
-        let wish = gain * (0.5 * error + 5.0 * (integral + error / 1000.0) - 0.04 * (tip - last) * 1000.0);
+        let command = gain * (0.5 * error + 5.0 * (integral + error / 1000.0) - 0.04 * (tip - last) * 1000.0);
         last = tip;
-        let pressure = wish.clamp(-highest, highest);
-        if pressure == wish {
+        let pressure = command.clamp(-highest, highest);
+        if pressure == command {
             integral += error / 1000.0;
         }
         twin.step(&mut state, &[pressure.max(0.0), (-pressure).max(0.0)], 1.0 / 1000.0).unwrap();

@@ -1,6 +1,6 @@
 //! Markers tracked through a film by itself: no card says how many there are, and no trial when it begins.
 //!
-//! [`track`] follows them and writes `tracks.csv`, `strip.png` and, when requested, `overlay.mp4` where a folder is given. A lost marker
+//! [`track()`] follows them and writes `tracks.csv`, `strip.png` and, when requested, `overlay.mp4` where a folder is given. A lost marker
 //! ends it with a diagnostic and, in the folder, `lost.png`.
 
 mod overlay;

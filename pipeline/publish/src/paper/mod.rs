@@ -15,7 +15,7 @@
 //! | `#scope()` | where the numbers are from, and what was left out |
 //! | `#said[3 %]` | a number from a source, not of this study |
 //!
-//! What is not at hand is left out with its sentence ([`omit`]), which `#scope()` says once.
+//! What is not at hand is left out with its sentence (`omit`), which `#scope()` says once.
 
 mod board;
 mod citations;

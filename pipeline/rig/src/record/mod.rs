@@ -89,7 +89,7 @@ pub fn record(specimen: &Specimen, request: &Request) -> Result<Status> {
     Ok(Status::Recorded)
 }
 
-/// Makes one part of a recording: [`STATICS`], [`CALIBRATION`], or a trial by its name. The recording stays in progress until [`record`]
+/// Makes one part of a recording: `STATICS`, `CALIBRATION`, or a trial by its name. The recording stays in progress until [`record`]
 /// makes what is left of it.
 ///
 /// # Errors

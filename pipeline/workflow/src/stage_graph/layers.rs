@@ -138,28 +138,28 @@ mod tests {
     #[test]
     fn every_node_is_right_of_what_it_reads_and_none_overlaps() {
         let reads = vec![vec![], vec![], vec![0], vec![1, 2], vec![0, 3], vec![1]];
-        let laid = lay_out(&reads, 2);
+        let layout = lay_out(&reads, 2);
         for (i, node) in reads.iter().enumerate() {
-            assert!(node.iter().all(|&r| laid.nodes[r].column < laid.nodes[i].column));
-            let distance = |j: usize| (laid.nodes[i].down - laid.nodes[j].down).abs();
-            let neighbours = (0..i).filter(|&j| laid.nodes[j].column == laid.nodes[i].column);
+            assert!(node.iter().all(|&r| layout.nodes[r].column < layout.nodes[i].column));
+            let distance = |j: usize| (layout.nodes[i].down - layout.nodes[j].down).abs();
+            let neighbours = (0..i).filter(|&j| layout.nodes[j].column == layout.nodes[i].column);
             // recordings stand closer than stages do
-            assert!(neighbours.into_iter().all(|j| distance(j) > SOURCE - 1e-9), "{laid:?}");
+            assert!(neighbours.into_iter().all(|j| distance(j) > SOURCE - 1e-9), "{layout:?}");
         }
     }
 
     #[test]
     fn a_long_line_has_a_slot_in_every_column_on_its_way() {
-        let laid = lay_out(&[vec![], vec![0], vec![1], vec![0, 2]], 1);
-        let (_, _, slots) = laid.lines.iter().find(|(input, reader, _)| (*input, *reader) == (0, 3)).unwrap();
+        let layout = lay_out(&[vec![], vec![0], vec![1], vec![0, 2]], 1);
+        let (_, _, slots) = layout.lines.iter().find(|(input, reader, _)| (*input, *reader) == (0, 3)).unwrap();
         assert_eq!(slots.iter().map(|p| p.column).collect::<Vec<_>>(), [1, 2]);
     }
 
     #[test]
     fn two_lines_that_need_not_cross_do_not() {
         // nodes 2 and 3 read 1 and 0: listed crosswise
-        let laid = lay_out(&[vec![], vec![], vec![1], vec![0]], 2);
-        let height = |i: usize| laid.nodes[i].down;
-        assert!((height(0) - height(1)) * (height(3) - height(2)) > 0.0, "{laid:?}");
+        let layout = lay_out(&[vec![], vec![], vec![1], vec![0]], 2);
+        let height = |i: usize| layout.nodes[i].down;
+        assert!((height(0) - height(1)) * (height(3) - height(2)) > 0.0, "{layout:?}");
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn judge_films(
         if worst_error > recovered.track_rms_px {
             (recovered.track_rms_px, recovered.track_worst) = (worst_error, trial.0.clone());
         }
-        if worst_error > STRAYED {
+        if worst_error > LARGEST_TRACK_ERROR {
             recovered.track_strayed.push(format!("{} ({worst_error:.2} px)", trial.0.clone()));
         }
     }
@@ -44,7 +44,7 @@ pub(super) fn judge_films(
 }
 
 /// A marker whose root mean square error is larger has been swapped or lost, px.
-const STRAYED: f64 = 1.0;
+const LARGEST_TRACK_ERROR: f64 = 1.0;
 
 /// Largest distance of a marker's first position from the true one, m.
 fn error_at_rest(paths: &[Path], truth: &[TrueTrack]) -> f64 {

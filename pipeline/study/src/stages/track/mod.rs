@@ -142,7 +142,7 @@ impl Stage for Track {
 /// A [`Diagnostic`] that names the first marker that does not, or gives the number found.
 pub fn first_look(card: &Card, set: klt::Settings, frame: &Frame, context: &dyn StageContext) -> Result<Vec<Point2>> {
     let tracker = first_tracker(card, set, frame, context)?;
-    Ok(tracker.observations().iter().map(|sighting| sighting.at).collect())
+    Ok(tracker.observations().iter().map(|observation| observation.at).collect())
 }
 
 /// The tracker of a trial on its first frame.
@@ -191,7 +191,7 @@ impl<'a> Log<'a> {
 
     fn add_frame(&mut self, frame: &Frame, context: &dyn StageContext) -> Result<()> {
         let card = self.card;
-        let sightings = match &mut self.tracker {
+        let observations = match &mut self.tracker {
             Some(tracker) => tracker.step(&frame.gray).map_err(|lost| tracking_failure(card, context, lost))?,
             None => {
                 let tracker = first_tracker(card, self.set, frame, context)?;
@@ -203,7 +203,7 @@ impl<'a> Log<'a> {
         let brightness = |lamp: &Led| led::brightness(&frame.gray, lamp.centre, lamp.radius);
         self.tracks.time.push(frame.time);
         self.tracks.led.push(card.led.as_ref().map_or(0.0, brightness));
-        self.seen.iter_mut().zip(sightings).for_each(|(track, sighting)| track.push(sighting));
+        self.seen.iter_mut().zip(observations).for_each(|(track, observation)| track.push(observation));
         Ok(())
     }
 

@@ -114,7 +114,7 @@ impl Dictionary {
 
     /// Whether markers that it reads are its own: a larger one of its family does not read them as well, and it reads one square in a hundred that is
     /// none of its markers. AprilTag's of 16 and 25 bits correct so many that they read a quarter of all squares, and a twentieth.
-    pub(super) fn is_telling(&self) -> bool {
+    pub(super) fn is_distinctive(&self) -> bool {
         match self.family {
             Family::OpenCv => [50, 1000].contains(&self.count),
             Family::Other(place) => OTHERS[place].codes.is_none() || self.side == 6,

@@ -118,7 +118,7 @@ fn no_marker(picture: &Gray, board: &Charuco, quads: usize) -> BoardError {
         let quads = quads::find_quads(picture, window_half_side(picture, WINDOWS[0]));
         quads.iter().filter(|quad| marker::read_marker(picture, quad, *dictionary, &codes).is_some()).count()
     };
-    let other = Dictionary::all_dictionaries().filter(Dictionary::is_telling).find(|d| reads(d) >= 3);
+    let other = Dictionary::all_dictionaries().filter(Dictionary::is_distinctive).find(|d| reads(d) >= 3);
     BoardError::NoMarker { dictionary: board.dictionary, quads, other }
 }
 
