@@ -220,7 +220,7 @@ struct Bend {
 }
 
 /// The solution of three normal equations by elimination, and the last diagonal entry of the inverse.
-fn solve_normal(mut m: [[f64; 4]; 3]) -> Option<([f64; 3], f64)> {
+pub(super) fn solve_normal(mut m: [[f64; 4]; 3]) -> Option<([f64; 3], f64)> {
     for p in 0..3 {
         if m[p][p].abs() < f64::MIN_POSITIVE {
             return None;
