@@ -13,6 +13,7 @@ mod even;
 mod evenness;
 mod grouping;
 mod head;
+mod parabola;
 mod sampling;
 mod spikes;
 pub mod table;

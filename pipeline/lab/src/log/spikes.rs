@@ -10,7 +10,7 @@ use diagnostics::Diagnostic;
 use serde::{Deserialize, Serialize};
 
 use super::Rows;
-use super::sampling::solve_normal;
+use super::parabola::fit_parabola;
 
 /// A sample that is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -174,19 +174,6 @@ fn stands_out(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> 
 fn has_both_sides(neighbours: &[usize], run: &std::ops::Range<usize>) -> bool {
     let preceding = neighbours.iter().filter(|i| **i < run.start).count();
     preceding >= QUIET / 2 && neighbours.len() - preceding >= QUIET / 2
-}
-
-/// Coefficients of the parabola a + b x + c x² through points by least squares.
-fn fit_parabola(points: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 3]> {
-    let mut normal = [[0.0; 4]; 3];
-    for (x, y) in points {
-        let row = [1.0, x, x * x];
-        for a in 0..3 {
-            (0..3).for_each(|b| normal[a][b] += row[a] * row[b]);
-            normal[a][3] += row[a] * y;
-        }
-    }
-    solve_normal(normal).map(|(solution, _)| solution)
 }
 
 /// Samples that jump alone; `left_out` is left out already.

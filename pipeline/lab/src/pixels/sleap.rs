@@ -41,6 +41,7 @@ impl<'a> Titles<'a> {
         let column = |title: &str| words.iter().position(|word| *word == title);
         let frame = column("frame_idx").ok_or_else(|| import_error("its titles have no `frame_idx`".into()))?;
         let place = |name: &String| {
+            // length: two numbers, not lists
             let columns = column(&format!("{name}.x")).zip(column(&format!("{name}.y")));
             columns.map(|(x, y)| [x, y]).ok_or_else(|| {
                 let nodes: Vec<&str> = words.iter().filter_map(|word| word.strip_suffix(".x")).collect();

@@ -35,6 +35,7 @@ pub(super) fn read_triangles(bytes: &[u8]) -> Result<Vec<Triangle>, StlSyntax> {
     let length = count.and_then(|count| (count as usize).checked_mul(TRIANGLE)?.checked_add(HEAD));
     // Some programs begin the remark of a binary file with `solid`: its length decides before its words do.
     match length {
+        // length: whole triangles stand behind the head
         _ if is_uncounted(bytes, count, text) => Ok(bytes[HEAD..].chunks_exact(TRIANGLE).map(read_triangle).collect()),
         Some(length) if hides_triangles(bytes, length) && !is_text(text) => Err(miscounted(bytes.len(), count)),
         Some(length) if length == bytes.len() || length < bytes.len() && !is_text(text) => {
