@@ -378,6 +378,22 @@ fn a_frequency_that_the_pressures_contradict_is_refused_with_both() {
     assert_eq!(bench.row()[0], 2.01);
 }
 
+/// Times in milliseconds that are taken for seconds: 80 samples a second are then 0.08.
+#[test]
+fn a_force_that_is_sampled_too_rarely_for_its_cycles_is_refused() {
+    let bench = Bench::new("slow", 0.0);
+    let line = |i: usize| format!("{:.1},{:.4}\n", 12.5 * i as f64, flapping(0.0125 * i as f64));
+    bench.write("slow.csv", &("time_s,force_n\n".to_owned() + &(0..1000).map(line).collect::<String>()));
+    let page = "name = \"cell\"\nchannels = [\"a\"]\n[[recording]]\nid = \"run\"\nkind = \"flapping\"\nforce = \"slow.csv\"\n\
+                seconds = [2.0, 11.0]\nfrequency = 2.0\n[log]\nforce_lag = 0.0\n";
+    bench.write("page.toml", page);
+    let said = bench.refusal();
+    assert!(
+        said.contains("flaps at 2 Hz, and its force has 0.0800 samples a second") && said.contains("unit of time_s"),
+        "{said}"
+    );
+}
+
 /// An amplifier's full scale among the samples of a run, in counts of 5.378 µN: it is said with its line, and moves no mean.
 #[test]
 fn a_spike_is_said_with_its_line_and_moves_no_mean() {

@@ -29,10 +29,19 @@ impl ShownBy {
         }
     }
 
+    /// Largest departure of the distances between neighbours from those of the card, no unit: marks are painted to half a millimetre, and a body
+    /// that hangs by its weight is as long as before. One view of the board leaves the distance of the camera open by 15 %.
+    fn scale_limit(self) -> f64 {
+        match self {
+            Self::Film | Self::Space => 0.08,
+            Self::FilmRoughly => 0.2,
+        }
+    }
+
     fn corrective_action(self) -> &'static str {
         match self {
             Self::Film | Self::FilmRoughly => {
-                "check that the film is neither cut, mirrored nor turned against the calibration, [camera.plane] on the card, and the order of the markers"
+                "check that the film is neither cut, scaled, mirrored nor turned against the calibration, [camera.plane] on the card, and the order of the markers"
             }
             Self::Space => "check the file's unit, and origin, x and z of [tracks.space] on the card",
         }
@@ -47,7 +56,9 @@ pub fn check(file: &str, markers: &[AtRest], length: Metre, source: ShownBy) -> 
     let distance = |(_, painted, shown): &AtRest| (shown[0] - painted[0]).hypot(shown[1] - painted[1]);
     let limit = source.limit_fraction() * length;
     let farthest = markers.iter().filter(|marker| distance(marker) > limit || distance(marker).is_nan());
-    let Some(marker) = farthest.max_by(|a, b| distance(a).total_cmp(&distance(b))) else { return Ok(()) };
+    let Some(marker) = farthest.max_by(|a, b| distance(a).total_cmp(&distance(b))) else {
+        return check_scale(file, markers, source);
+    };
     let (name, [u, v], [x, y]) = marker;
     let defect = format!(
         "{file} has marker `{name}` at ({x:.4}, {y:.4}) m in its first frame; it is painted at ({u:.4}, {v:.4}) m"
@@ -57,6 +68,32 @@ pub fn check(file: &str, markers: &[AtRest], length: Metre, source: ShownBy) -> 
         distance(marker),
         source.limit_fraction()
     );
+    Err(Diagnostic::new(defect, reason, source.corrective_action()))
+}
+
+/// Sum of the distances of neighbours below which the errors of the paint are seen, m.
+const SHORTEST: Metre = 0.02;
+
+/// Whether the markers lie as far from each other as on the card: a film that was enlarged, or taken from another distance, has them near their
+/// places about its middle.
+fn check_scale(file: &str, markers: &[AtRest], source: ShownBy) -> Result<()> {
+    let between = |a: Point2, b: Point2| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let nearest = |k: usize| {
+        let others = (0..markers.len()).filter(move |other| *other != k);
+        others.min_by(|a, b| between(markers[k].1, markers[*a].1).total_cmp(&between(markers[k].1, markers[*b].1)))
+    };
+    let pairs: Vec<(usize, usize)> = (0..markers.len()).filter_map(|k| Some((k, nearest(k)?))).collect();
+    let painted: Metre = pairs.iter().map(|(a, b)| between(markers[*a].1, markers[*b].1)).sum();
+    let shown: Metre = pairs.iter().map(|(a, b)| between(markers[*a].2, markers[*b].2)).sum();
+    let limit = source.scale_limit();
+    if painted < SHORTEST || (shown / painted - 1.0).abs() <= limit {
+        return Ok(());
+    }
+    let defect = format!(
+        "{file} has neighbouring markers {:.3} times as far apart in its first frame as the card",
+        shown / painted
+    );
+    let reason = format!("the limit is {:.2} to {:.2}", 1.0 - limit, 1.0 + limit);
     Err(Diagnostic::new(defect, reason, source.corrective_action()))
 }
 
@@ -82,6 +119,15 @@ mod tests {
         assert!(mirrored.contains("marker `m1` at (0.1000, 0.0000) m"), "{mirrored}");
         assert!(shown(|[x, y]| [-y, x], ShownBy::Film).is_some());
         assert!(shown(|[x, y]| [f64::NAN * x, y], ShownBy::Film).is_some());
+    }
+
+    #[test]
+    fn a_film_that_is_enlarged_about_its_middle_is_refused_with_its_scale() {
+        let enlarged = |scale: f64| shown(move |[x, y]| [0.05 + scale * (x - 0.05), scale * y], ShownBy::Film);
+        assert!(enlarged(1.111).unwrap().contains("1.111 times as far apart"));
+        assert!(enlarged(0.9).unwrap().contains("0.900 times") && enlarged(1.05).is_none());
+        let hanging = |[x, y]: Point2| [0.05 + 0.98 * (x - 0.05), y - 0.2 * (x - 0.05)];
+        assert_eq!(shown(hanging, ShownBy::Film), None);
     }
 
     #[test]

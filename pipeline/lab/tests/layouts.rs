@@ -60,6 +60,34 @@ fn titles_and_units_of_the_card_are_taken_by_name_and_by_position() {
     assert_eq!(forces(&bare, &by_place).unwrap().log, found.log);
 }
 
+/// Thousands look like decimals: 2,380 counts would be read as 2.38.
+#[test]
+fn a_log_with_separators_of_thousands_is_refused_with_its_line() {
+    for (text, line) in [
+        ("time_s;force_n\n0.0125;12\n0.0250;2,380\n", "line 3: force_n is `2,380`\n  why: it may be 2380 or 2.380"),
+        ("time_s;force_n\n0,0125;12\n0,0250;2.380\n", "line 3: force_n is `2.380`\n  why: it may be 2380 or 2.380"),
+        ("time_s;force_n\n0,0125;12\n0,0250;2.380,0\n", "line 3: force_n is `2.380,0`\n  why: it has more signs"),
+        ("time_s\tforce_n\n0.0125\t12\n0.0250\t2'380\n", "line 3: force_n is `2'380`\n  why: it has more signs"),
+    ] {
+        let said = forces(text, "").unwrap_err();
+        assert!(said.contains(line) && said.contains("without separators of thousands"), "{said}");
+    }
+    let three_decimals = forces("time_s;force_n\n0,000;1,250\n0,001;2,375\n", "").unwrap();
+    assert_eq!(three_decimals.log.force, [1.25, 2.375]);
+}
+
+#[test]
+fn a_unit_of_the_file_that_is_not_that_of_the_card_is_refused_with_both() {
+    let milliseconds = "[[columns]]\nquantity = \"time_s\"\ncolumn = \"time_s\"\nunit = \"ms\"\n";
+    let text = "time_s;force_n\nms;N\n0;0,5\n10;0,25\n20;0,125\n";
+    let said = forces(text, "").unwrap_err();
+    assert!(said.contains("line 1: time_s is in ms by the file\n  why: the card has it in s\n"), "{said}");
+    assert_eq!(forces(text, milliseconds).unwrap().log.time, [0.0, 0.01, 0.02]);
+    let titled = "[[columns]]\nquantity = \"force_n\"\ncolumn = \"Kraft [mN]\"\nunit = \"N\"\n";
+    let said = forces("time_s;Kraft [mN]\n0,0;0,5\n0,1;0,25\n", titled).unwrap_err();
+    assert!(said.contains("force_n is in mN by the file\n  why: the card has it in N\n"), "{said}");
+}
+
 #[test]
 fn a_unit_holds_for_one_kind_of_log_where_the_card_says_so() {
     let grams = "[[columns]]\nquantity = \"force_n\"\ncolumn = \"force_n\"\nunit = \"gf\"\nof = \"hammer\"\n";

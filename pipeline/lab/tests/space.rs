@@ -210,6 +210,38 @@ fn a_marker_is_found_behind_the_name_of_its_subject() {
     assert!(said.contains("marker `m1` is `fish:m1` or `other:m1`"), "{said}");
 }
 
+/// Programs write such numbers where they lost a marker; −9999 mm lies within what an instrument may measure.
+#[test]
+fn a_number_that_stands_for_a_lost_marker_is_a_gap() {
+    for number in [-9999.0, 9_999_999.0, -999.0, -3.697_314e28, f32::NAN] {
+        let mut capture = Capture::new();
+        capture.points[2][1] = [number, number, number, 0.0];
+        let space = read(&capture.bytes()).unwrap();
+        assert_eq!(space.markers[1].at[2], None, "{number}");
+        assert!(space.markers[1].at[3].is_some());
+    }
+    let text = "frame,time_s,marker,x_mm,y_mm\n0,0,m1,50,1\n1,0.01,m1,-9999,-9999\n2,0.02,m1,,\n3,0.03,m1,99,99.5\n";
+    let seen: Vec<bool> = space::read(text.as_bytes(), Path::new("places.csv")).unwrap().markers[0]
+        .at
+        .iter()
+        .map(Option::is_some)
+        .collect();
+    assert_eq!(seen, [true, false, false, true]);
+}
+
+#[test]
+fn a_csv_may_have_semicolons_decimal_commas_and_another_encoding() {
+    let text = "frame;time_s;marker;x_mm;y_mm\r\n0;0;m1;50,5;1\r\n1;0,01;m1;51,25;1\r\n";
+    let wide: Vec<u8> = [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    for bytes in
+        [text.as_bytes().to_vec(), format!("\u{feff}{text}").into_bytes(), wide, text.replace(';', "\t").into_bytes()]
+    {
+        let space = space::read(&bytes, Path::new("places.csv")).unwrap();
+        assert_eq!(space.time, [0.0, 0.01]);
+        assert!((space.markers[0].at[1].unwrap()[0] - 0.051_25).abs() < 1e-15);
+    }
+}
+
 #[test]
 fn a_marker_of_another_name_is_refused_with_the_nearest() {
     let said = read(&Capture::new().bytes()).unwrap().complete("tip2", Path::new("a.c3d")).unwrap_err().to_string();

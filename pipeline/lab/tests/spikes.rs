@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use diagnostics::Diagnostic;
 use lab::card::{Log, LogKind};
 use lab::{ForceLog, Logged, force};
 
@@ -10,12 +11,16 @@ use lab::{ForceLog, Logged, force};
 const SCALE: f64 = 5.378e-6;
 
 fn read(counts: &[i64]) -> Logged<ForceLog> {
+    parse(counts).unwrap()
+}
+
+fn parse(counts: &[i64]) -> Result<Logged<ForceLog>, Diagnostic> {
     let line = |(i, count): (usize, &i64)| format!("{:.5},{count}\n", 0.0125 * i as f64);
     let text = "time_s,counts\n".to_owned() + &counts.iter().enumerate().map(line).collect::<String>();
     let card: Log =
         toml::from_str(&format!("[[columns]]\nquantity = \"force_n\"\ncolumn = \"counts\"\nscale = {SCALE}\n"))
             .unwrap();
-    force::parse_as(&text, Path::new("force.csv"), (LogKind::Force, &card)).unwrap()
+    force::parse_as(&text, Path::new("force.csv"), (LogKind::Force, &card))
 }
 
 /// Repeatable random numbers (splitmix64).
@@ -88,4 +93,34 @@ fn full_scale_beyond_the_range_of_forces_is_left_out_and_a_clipped_force_refused
     assert_eq!(clipped(90, 91).unwrap().sampling.spikes[0].line, 92);
     let said = clipped(90, 120).unwrap_err();
     assert!(said.contains("line 92:") && said.contains("out of range"), "{said}");
+}
+
+/// Codes within the range of a beat of 40 samples: those of 16 bits, and that of an open line.
+#[test]
+fn a_code_beside_a_beat_is_left_out_by_its_course() {
+    let reading =
+        |i: usize| (9300.0 + 5700.0 * (0.157 * i as f64).sin() + 100.0 * (1.9 * i as f64).sin()).round() as i64;
+    let clean: Vec<i64> = (0..600).map(reading).collect();
+    for code in [32_767, -32_768, 65_535, -1] {
+        for place in [100, 307, 411] {
+            let mut counts = clean.clone();
+            counts[place] = code;
+            let spiked = read(&counts);
+            let lines: Vec<usize> = spiked.sampling.spikes.iter().map(|spike| spike.line).collect();
+            assert_eq!(lines, [place + 2], "{code} at {place}");
+        }
+    }
+    assert_eq!(read(&clean).sampling.spikes, []);
+}
+
+#[test]
+fn a_force_that_stays_at_full_scale_or_at_a_number_for_nothing_is_refused_with_its_line() {
+    for (code, word) in [(32_767, "full scale"), (-99_999, "is missing")] {
+        let counts: Vec<i64> = (0..300).map(|i| if (90..120).contains(&i) { code } else { 70 + i % 5 }).collect();
+        let said = parse(&counts).unwrap_err().to_string();
+        assert!(
+            said.contains(&format!("line 92: the force stays at {code} for 30 samples")) && said.contains(word),
+            "{said}"
+        );
+    }
 }

@@ -62,7 +62,7 @@ pub enum SurfaceError {
     },
     /// An edge that does not join exactly two faces of opposite direction.
     #[error(
-        "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  {}", place_text(.from), place_text(.to), repair_advice(*.faces)
+        "face {face} has {} edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  {}", edge_kind(*.faces), place_text(.from), place_text(.to), repair_advice(*.faces)
     )]
     Open {
         /// Number of the first face with such an edge, in the file's order, from 0.
@@ -92,6 +92,14 @@ pub enum SurfaceError {
         /// Signed volume, mm³.
         volume_mm3: f64,
     },
+}
+
+fn edge_kind(faces: usize) -> &'static str {
+    match faces {
+        1 => "an open",
+        2 => "a turned",
+        _ => "a crowded",
+    }
 }
 
 /// What to do about an edge that joins so many faces.

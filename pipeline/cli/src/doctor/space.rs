@@ -11,12 +11,12 @@ use workflow::runner::inspection_context;
 use workflow::stage::Stage;
 use workflow::subject::Part;
 
-/// How the markers of a trial without a film are read, and what is wrong with them; `logged` is whether its pressure log can be read.
+/// How the markers of a trial in space are read, and what is wrong with them; `logged` is whether its pressure log can be read.
 ///
 /// # Errors
 /// A diagnostic when the settings of a stage are invalid.
 pub(crate) fn space_findings(project: &Project, subject: &Trial, logged: bool) -> Result<Vec<Finding>> {
-    let Some((tracks, axes)) = subject.in_space().filter(|_| subject.trial.video.is_none()) else {
+    let Some((tracks, axes)) = subject.in_space() else {
         return Ok(Vec::new());
     };
     if !project.file_path(&subject.card.name, &tracks.file).exists() {
@@ -35,10 +35,11 @@ pub(crate) fn space_findings(project: &Project, subject: &Trial, logged: bool) -
         "{tracks_path}: {count} markers in space × {frames} frames at {:.1} Hz",
         (frames - 1) as f64 / (to - from)
     );
-    let clock =
-        format!("without a film they are on the log's clock from {from:.3} to {to:.3} s, by start = {} s", axes.start);
+    let is_filmed = subject.trial.video.is_some();
+    let owner = if is_filmed { "they are on the film's" } else { "without a film they are on the log's" };
+    let clock = format!("{owner} clock from {from:.3} to {to:.3} s, by start = {} s", axes.start);
     let mut findings = vec![Finding::log(summary, clock)];
-    if logged {
+    if logged && !is_filmed {
         let (raw, settings) = (Clock::raw(subject), project.settings.section("clock")?);
         let context = inspection_context(project.folders, &raw);
         let motion = Clock::run(&Part::part_of(subject), &settings, (Maybe(None), Maybe(None), markers), &context);

@@ -225,7 +225,7 @@ fn check_numbers(key: &str, recording: &Recording) -> Checked {
     }
     let Some([from, to]) = recording.seconds else { return Ok(()) };
     let seconds = format!("{key}.seconds");
-    [from, to].iter().try_for_each(|time| within(&seconds, *time, -1e6..=1e9, "s"))?;
+    [from, to].iter().try_for_each(|time| within(&seconds, *time, -1e10..=1e10, "s"))?;
     match from < to {
         true => Ok(()),
         false => {

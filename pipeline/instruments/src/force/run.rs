@@ -61,6 +61,7 @@ pub(super) fn evaluate_run(
     settings: &Settings,
 ) -> Result<Run> {
     let frequency = recording.frequency.unwrap_or(1.0);
+    check_rate(recording, log.force.rate())?;
     let [first, last] = run_interval(recording, log)?;
     check_frequency(recording, &log.pressures, [first, last])?;
     // A harmonic at half the sampling rate or beyond is another's alias.
@@ -180,6 +181,21 @@ fn cycle_frequency(pressures: &[Samples], [first, last]: [Second; 2]) -> Option<
     let mean = (rises[count - 1] - rises[0]) / (count - 1) as f64;
     let is_even = steps.iter().all(|step| (0.5..1.5).contains(&(step / median)));
     (count >= RISES && is_even && mean > 0.0).then(|| 1.0 / mean)
+}
+
+/// Samples of a cycle, at least: with fewer, whole cycles have no mean.
+const SAMPLES: f64 = 2.0;
+
+/// Refuses a log that samples a cycle too rarely: a clock in another unit than the card says looks so.
+fn check_rate(recording: &Recording, rate: Hertz) -> Result<()> {
+    let frequency = recording.frequency.unwrap_or_default();
+    if rate >= SAMPLES * frequency {
+        return Ok(());
+    }
+    let defect =
+        format!("recording `{}` flaps at {frequency} Hz, and its force has {rate:.4} samples a second", recording.id);
+    let action = "set the unit of time_s in [[log.columns]], correct its frequency, or log the force faster";
+    Err(Diagnostic::new(defect, format!("a mean over cycles needs {SAMPLES} samples in each"), action))
 }
 
 fn no_pressure(recording: &Recording) -> Diagnostic {

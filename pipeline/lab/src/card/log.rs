@@ -114,7 +114,7 @@ pub enum Unit {
 
 /// Seconds, pascals, newtons or no unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Dimension {
+pub(crate) enum Dimension {
     Time,
     Pressure,
     Force,
@@ -139,7 +139,7 @@ impl LogKind {
 
 impl Unit {
     /// The value on the card.
-    pub(super) fn word(self) -> &'static str {
+    pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Second => "s",
             Self::Millisecond => "ms",
@@ -158,7 +158,7 @@ impl Unit {
     }
 
     /// What it measures.
-    pub(super) fn dimension(self) -> Dimension {
+    pub(crate) fn dimension(self) -> Dimension {
         match self {
             Self::Second | Self::Millisecond | Self::Microsecond | Self::Iso8601 => Dimension::Time,
             Self::Pascal | Self::Millibar | Self::Kilopascal | Self::Bar | Self::PoundPerSquareInch => {
@@ -192,7 +192,7 @@ impl Log {
 }
 
 /// What a quantity measures, by the title of its column.
-pub(super) fn dimension_of(quantity: &str) -> Dimension {
+pub(crate) fn dimension_of(quantity: &str) -> Dimension {
     match quantity {
         "time_s" => Dimension::Time,
         "force_n" => Dimension::Force,

@@ -26,6 +26,7 @@ pub use check::{check_log, check_tank};
 pub use clamp::Clamp;
 pub use entry::is_name;
 pub use fixture::{Fixture, FixtureOf};
+pub(crate) use log::dimension_of;
 pub use log::{Log, LogColumn, LogKind, Place, Unit};
 pub use marks::{Axes, Detector, Order, Search, Tracks};
 pub use read::{parse, read};

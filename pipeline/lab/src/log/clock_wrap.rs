@@ -11,7 +11,10 @@ const LONGER: f64 = 3.0;
 /// others do. A clock that was set back does not meet that by chance.
 pub(super) fn unwrap_times(times: &mut [Second]) {
     let mut offset = 0.0;
-    let mut longest_step: Second = 0.0;
+    // the clock may overflow at the second sample already, before any other step is known
+    let mut steps: Vec<Second> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let mut longest_step = steps.get(steps.len() / 2).copied().unwrap_or_default();
     for i in 1..times.len() {
         let previous = times[i - 1];
         let step = times[i] + offset - previous;
@@ -40,6 +43,14 @@ mod tests {
             let off = times.iter().zip(&even).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-9 * period, "{period}: {off}");
         }
+    }
+
+    #[test]
+    fn a_counter_may_overflow_at_the_second_sample() {
+        let mut times = vec![4_294.96];
+        times.extend((0..20).map(|i| 0.002 + 0.01 * f64::from(i)));
+        unwrap_times(&mut times);
+        assert!((times[1] - 4_294.969_296).abs() < 1e-9 && (times[20] - times[1] - 0.19).abs() < 1e-9, "{times:?}");
     }
 
     #[test]

@@ -4,7 +4,10 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use super::dialect::Dialect;
+use super::grouping::{self, Grouping};
+use super::head::Line;
 use super::time::iso8601;
+use super::units::file_unit;
 use super::{ColumnFormat, LogFormat};
 use crate::card::{Log, LogColumn, Place, Unit};
 use crate::table::nearest;
@@ -38,6 +41,8 @@ pub(super) struct FirstLine<'a> {
     /// Whether it holds titles.
     pub titled: bool,
     pub fields: Vec<Cow<'a, str>>,
+    /// Units of the columns, where a line of their own holds them.
+    pub units: Vec<Cow<'a, str>>,
     /// Fields of the first line of numbers.
     pub width: usize,
 }
@@ -100,11 +105,27 @@ impl FirstLine<'_> {
                 Place::Title(title) => self.only_column(title, quantity)?,
             };
             let index = index.ok_or_else(|| self.misnamed_column(entry))?;
+            self.check_unit(quantity, index, Some(entry))?;
             let factor = entry.scale * entry.unit.map_or(1.0, Unit::in_log_units);
             return Ok(Column { index, unit: entry.unit, factor });
         }
         let index = self.only_column(quantity, quantity)?.ok_or_else(|| self.missing_column(format, quantity))?;
+        self.check_unit(quantity, index, None)?;
         Ok(Column { index, unit: None, factor: 1.0 })
+    }
+
+    /// Whether the unit that the file names of a column is that of the card, or without an entry that of the quantity.
+    fn check_unit(&self, quantity: &str, index: usize, entry: Option<&LogColumn>) -> Result<(), Diagnostic> {
+        let title = self.fields.get(index).filter(|_| self.titled).map(|title| &**title);
+        let unit = self.units.get(index).map(|unit| &**unit);
+        // a card that gives a unit takes that of the guide's title back, such as of time_s; brackets are the file's own
+        let before: &[char] = if entry.is_some_and(|e| e.unit.is_some()) { &['[', '('] } else { &['[', '(', '_'] };
+        let Some(named) = file_unit([title, unit], before, quantity) else { return Ok(()) };
+        let Some(declared) = named.contradicting_unit(quantity, entry) else { return Ok(()) };
+        let (defect, named) = (format!("{quantity} is in {} by the file", named.word()), named.word());
+        let action =
+            format!("set unit = \"{named}\" in [[log.columns]] with quantity = \"{quantity}\", or correct the file");
+        Err(Diagnostic::file(self.path, defect, format!("the card has it in {declared}"), action))
     }
 
     fn misnamed_column(&self, entry: &LogColumn) -> Diagnostic {
@@ -178,6 +199,33 @@ impl Layout<'_> {
         Err(Diagnostic::file(self.path, defect, reason, "write decimal points, and as many fields as columns"))
     }
 
+    /// Whether the commas and points of the numbers are decimal signs.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that names the first number that may have a separator of thousands.
+    pub(super) fn check_grouping<'a, I: Iterator<Item = Line<'a>>>(
+        &self,
+        lines: impl Fn() -> I,
+    ) -> Result<(), Diagnostic> {
+        if !self.dialect.decimal_comma {
+            return Ok(()); // a comma is the separator, and within a number refused
+        }
+        let mut grouping = Grouping::new(self.columns.len());
+        for (line, text) in lines() {
+            let fields = self.dialect.split_fields(text);
+            for (k, column) in self.columns.iter().enumerate() {
+                grouping.note(k, line, fields.get(column.index).map_or("", |field| field));
+            }
+        }
+        let Some((k, line, field)) = grouping.ambiguous() else { return Ok(()) };
+        let [whole, decimal] = ["", "."].map(|sign| field.replace([',', '.'], sign));
+        let defect = format!("{} is `{field}`", self.format.columns[k].title);
+        let reason =
+            format!("it may be {whole} or {decimal}: its sign stands before three digits in all of the column");
+        let action = "export the log without separators of thousands, and with one decimal sign";
+        Err(Diagnostic::file(self.path, defect, reason, action).at_line(line))
+    }
+
     /// Whether the numbers of a line lie in their ranges.
     ///
     /// # Errors
@@ -212,6 +260,10 @@ impl Layout<'_> {
             Err(_) if quantity == "time_s" && iso8601(field).is_some() => Err(refusal(
                 "a number was expected",
                 "add [[log.columns]] to specimen.toml with quantity = \"time_s\", its column and unit = \"iso8601\"",
+            )),
+            Err(_) if grouping::has_groups(field) => Err(refusal(
+                "it has more signs than a decimal one; separators of thousands are not read",
+                "export the log without separators of thousands",
             )),
             Err(_) => Err(refusal("a number was expected", "correct the field, or cut the line out")),
         }

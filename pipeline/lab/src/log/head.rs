@@ -15,6 +15,8 @@ pub(super) struct Head<'a> {
     pub dialect: Dialect,
     /// The line of titles, where there is one.
     pub titles: Option<Line<'a>>,
+    /// The line of units below it, where there is one.
+    pub units: Option<Line<'a>>,
     /// The first line that is read as numbers.
     pub begin: usize,
     /// Fields of the first line of numbers.
@@ -58,9 +60,9 @@ impl<'a> Head<'a> {
                         .map_or(0, |last| last + 1);
                     let begin = head_lines.get(head_length).map_or(line.0, |broken| broken.0);
                     head_lines.truncate(head_length);
-                    let titles = titles_above(&head_lines, dialect, width)
-                        .or_else(|| remark_titles(text, begin, dialect, width));
-                    return Self { dialect, titles, begin, width };
+                    let (titles, units) = titles_above(&head_lines, dialect, width);
+                    let titles = titles.or_else(|| remark_titles(text, begin, dialect, width));
+                    return Self { dialect, titles, units, begin, width };
                 }
             }
             head_lines.push(line);
@@ -72,7 +74,8 @@ impl<'a> Head<'a> {
     fn without_numbers(first: Option<Line<'a>>, separator: Option<u8>) -> Self {
         let (number, line) = first.unwrap_or((0, ""));
         let dialect = separator.map_or_else(|| Dialect::titles(line), Dialect::new);
-        Self { dialect, titles: first, begin: number + 1, width: dialect.split_fields(line).len() }
+        let width = dialect.split_fields(line).len();
+        Self { dialect, titles: first, units: None, begin: number + 1, width }
     }
 }
 
@@ -89,13 +92,15 @@ fn named_separator(line: &str) -> Option<u8> {
     (key.eq_ignore_ascii_case("sep") && sign.len() == 1).then(|| sign.as_bytes()[0])
 }
 
-/// The titles among the lines above the numbers: the last, or the last but one where that holds units.
-fn titles_above<'a>(above: &[Line<'a>], dialect: Dialect, width: usize) -> Option<Line<'a>> {
+/// The titles among the lines above the numbers: the last, or the last but one where that holds units; and the units.
+fn titles_above<'a>(above: &[Line<'a>], dialect: Dialect, width: usize) -> (Option<Line<'a>>, Option<Line<'a>>) {
     let has_width = |line: &Line| dialect.split_titles(line.1, width).len() == width;
     match above {
-        [.., titles, last] if has_width(titles) && has_width(last) && is_units(last.1, dialect, width) => Some(*titles),
-        [.., last] => Some(*last),
-        [] => None,
+        [.., titles, last] if has_width(titles) && has_width(last) && is_units(last.1, dialect, width) => {
+            (Some(*titles), Some(*last))
+        }
+        [.., last] => (Some(*last), None),
+        [] => (None, None),
     }
 }
 

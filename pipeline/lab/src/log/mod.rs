@@ -11,11 +11,14 @@ mod dialect;
 pub mod encoding;
 mod even;
 mod evenness;
+mod grouping;
 mod head;
+mod parabola;
 mod sampling;
 mod spikes;
 pub mod table;
 mod time;
+mod units;
 
 use std::path::Path;
 
@@ -135,11 +138,12 @@ impl<'a> LogText<'a> {
     /// Finds separator and titles; `path` appears only in diagnostics.
     pub(crate) fn new(text: &'a str, path: &'a Path) -> Self {
         let text = text.trim_start_matches('\u{feff}');
-        let Head { dialect, titles, begin, width } = Head::new(text);
+        let Head { dialect, titles, units, begin, width } = Head::new(text);
         let first = titles.or_else(|| numbered_lines(text).nth(begin - 1)).unwrap_or((begin, ""));
         let fields = dialect.split_titles(first.1, width);
         let first_line = first.0;
-        let first = FirstLine { path, dialect, titled: titles.is_some(), fields, width };
+        let units = units.map(|(_, line)| dialect.split_titles(line, width)).unwrap_or_default();
+        let first = FirstLine { path, dialect, titled: titles.is_some(), fields, units, width };
         Self { text, first, first_line, begin }
     }
 
@@ -157,6 +161,7 @@ impl<'a> LogText<'a> {
             rows.rows.push(layout.row_values(text).map_err(|r| r.at_line(line))?);
             rows.lines.push(line);
         }
+        layout.check_grouping(|| numbered_lines(self.text).skip(self.begin - 1).filter(is_content))?;
         check_whole(self.text, dialect, path)?;
         if rows.rows.len() < 2 {
             let defect = format!("the log has {} samples", rows.rows.len());
@@ -167,6 +172,7 @@ impl<'a> LogText<'a> {
         let mut numbered_rows = rows.rows.iter().zip(&rows.lines);
         numbered_rows
             .try_for_each(|(row, line)| layout.check_ranges(row).map_err(|diagnostic| diagnostic.at_line(*line)))?;
+        spikes::check_saturation(format.spikes, &rows, (path, layout.unit_factor(1)))?;
         Ok(rows)
     }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Second};
 
+use super::parabola::solve_normal;
 use super::spikes::Spike;
 
 /// A log whose stamps all lie within this share of a step from an even clock is taken as even: stamps are rounded.
@@ -217,21 +218,4 @@ struct Bend {
     slopes: [f64; 2],
     /// Standard deviation of the change.
     sigma: f64,
-}
-
-/// The solution of three normal equations by elimination, and the last diagonal entry of the inverse.
-fn solve_normal(mut m: [[f64; 4]; 3]) -> Option<([f64; 3], f64)> {
-    for p in 0..3 {
-        if m[p][p].abs() < f64::MIN_POSITIVE {
-            return None;
-        }
-        for r in p + 1..3 {
-            let factor = m[r][p] / m[p][p];
-            (p..4).for_each(|c| m[r][c] -= factor * m[p][c]);
-        }
-    }
-    let z = m[2][3] / m[2][2];
-    let y = (m[1][3] - m[1][2] * z) / m[1][1];
-    let x = (m[0][3] - m[0][1] * y - m[0][2] * z) / m[0][0];
-    Some(([x, y, z], 1.0 / m[2][2]))
 }

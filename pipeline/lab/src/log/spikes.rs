@@ -4,7 +4,13 @@
 //! number far from all others, for a sample or two. The value is left out: the line between its neighbours stands for it, so that the clock stays even. A
 //! step, a tap and its ringing, and an input that stays at full scale have neighbours that moved too, and are kept.
 
+use std::path::Path;
+
+use diagnostics::Diagnostic;
 use serde::{Deserialize, Serialize};
+
+use super::Rows;
+use super::parabola::fit_parabola;
 
 /// A sample that is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -31,6 +37,8 @@ pub(crate) enum Spikes {
 
 /// Bits of converters, with a sign and without, whose full scale no reading meets by chance.
 const BITS: [u32; 6] = [16, 18, 20, 22, 24, 32];
+/// Every bit of a word that is read from an open line.
+const OPEN: f64 = -1.0;
 /// Samples that a spike lasts at most; a tap may be as long.
 const LONGEST: usize = 2;
 /// The same at full scale: five spikes among 600 samples stand three in a row in one log of 5,000.
@@ -54,7 +62,10 @@ impl Spikes {
         }
         let values: Vec<f64> = rows.iter().map(|row| row[1] / factor).collect();
         let mut bits = full_scales(&values);
-        let mut left_out: Vec<bool> = bits.iter().map(Option::is_some).collect();
+        let is_counts = values.iter().all(|v| is_whole(*v));
+        let is_open = |v: &f64| is_counts && v.round() == OPEN;
+        // length: a number of bits for each value
+        let mut left_out: Vec<bool> = bits.iter().zip(&values).map(|(bits, v)| bits.is_some() || is_open(v)).collect();
         let at_full_scale = left_out.clone();
         let is_short = |run: &std::ops::Range<usize>| {
             run.len() <= LONGEST_AT_FULL_SCALE && stands_out(&values, &at_full_scale, run)
@@ -71,6 +82,37 @@ impl Spikes {
         let spike = |i: usize| Spike { line: lines[i], value: value(i), bits: bits[i] };
         (0..left_out.len()).filter(|i| left_out[*i]).map(spike).collect()
     }
+}
+
+/// Refuses a force whose readings stay at full scale, or at the number by which a program marks readings that it lacks: what it was is not known.
+/// The second column of `rows` has `factor` times the file's numbers; `path` appears only in diagnostics.
+///
+/// # Errors
+/// [`Diagnostic`] with the first line and the number of readings.
+pub(super) fn check_saturation(spikes: Spikes, rows: &Rows, (path, factor): (&Path, f64)) -> Result<(), Diagnostic> {
+    if spikes != Spikes::LoneJumps {
+        return Ok(());
+    }
+    let values: Vec<f64> = rows.rows.iter().map(|row| row[1] / factor).collect();
+    let is_saturated: Vec<bool> = full_scales(&values).iter().map(Option::is_some).collect();
+    let is_missing: Vec<bool> = values.iter().map(|v| is_placeholder(*v)).collect();
+    let run_of = |marked: &[bool], longest: usize| {
+        marked_runs(marked).find(|run| run.len() > longest && run.clone().all(|i| values[i] == values[run.start]))
+    };
+    let (run, reason) = match (run_of(&is_saturated, LONGEST_AT_FULL_SCALE), run_of(&is_missing, LONGEST)) {
+        (Some(run), _) => (run, "that is the full scale of the amplifier: the force was beyond it, or its cable open"),
+        (None, Some(run)) => (run, "such a number stands for a reading that is missing"),
+        (None, None) => return Ok(()),
+    };
+    let defect = format!("the force stays at {} for {} samples", values[run.start].round(), run.len());
+    let action = "cut the log there, or record the trial again";
+    Err(Diagnostic::file(path, defect, reason, action).at_line(rows.lines[run.start]))
+}
+
+/// Whether a number is one by which programs mark what is missing: nines alone.
+fn is_placeholder(value: f64) -> bool {
+    let digits = value.abs().round().to_string();
+    is_whole(value) && digits.len() >= 4 && digits.bytes().all(|digit| digit == b'9')
 }
 
 /// Whether a number that was scaled and divided by its scale is whole but for rounding.
@@ -100,19 +142,38 @@ fn marked_runs(marked: &[bool]) -> impl Iterator<Item = std::ops::Range<usize>> 
     (0..marked.len()).filter(move |i| is_start(*i)).map(move |start| start..run_end(start))
 }
 
-/// Values around a run that are not marked.
-fn neighbour_values(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> Vec<f64> {
+/// Places around a run that are not marked.
+fn neighbour_places(count: usize, marked: &[bool], run: &std::ops::Range<usize>) -> Vec<usize> {
     let preceding = (0..run.start).rev().filter(|i| !marked[*i]).take(QUIET);
-    let following = (run.end..values.len()).filter(|i| !marked[*i]).take(QUIET);
-    preceding.chain(following).map(|i| values[i]).collect()
+    let following = (run.end..count).filter(|i| !marked[*i]).take(QUIET);
+    preceding.chain(following).collect()
 }
 
-/// Whether the values beside a run stay where they are, against its jump.
+/// Values around a run that are not marked.
+fn neighbour_values(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> Vec<f64> {
+    neighbour_places(values.len(), marked, run).into_iter().map(|i| values[i]).collect()
+}
+
+/// Whether the values beside a run stay on their course, against its jump: that of a level, or of the parabola through them, which a beat
+/// follows over so few samples. A step and what rings have none.
 fn stands_out(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> bool {
-    let neighbours = neighbour_values(values, marked, run);
-    let level = median_value(neighbours.clone());
-    let smallest_jump = run.clone().map(|i| (values[i] - level).abs()).fold(f64::INFINITY, f64::min);
-    neighbours.iter().all(|v| (v - level).abs() <= MOVED * smallest_jump) && smallest_jump > 0.0
+    let neighbours = neighbour_places(values.len(), marked, run);
+    let level = median_value(neighbours.iter().map(|i| values[*i]).collect());
+    let keep_course = |course: &dyn Fn(usize) -> f64| {
+        let jump = run.clone().map(|i| (values[i] - course(i)).abs()).fold(f64::INFINITY, f64::min);
+        neighbours.iter().all(|i| (values[*i] - course(*i)).abs() <= MOVED * jump) && jump > 0.0
+    };
+    let place = |i: usize| i as f64 - run.start as f64;
+    keep_course(&|_| level)
+        || has_both_sides(&neighbours, run)
+            && fit_parabola(neighbours.iter().map(|i| (place(*i), values[*i])))
+                .is_some_and(|[a, b, c]| keep_course(&|i| a + place(i) * (b + place(i) * c)))
+}
+
+/// A parabola beyond its samples is a guess.
+fn has_both_sides(neighbours: &[usize], run: &std::ops::Range<usize>) -> bool {
+    let preceding = neighbours.iter().filter(|i| **i < run.start).count();
+    preceding >= QUIET / 2 && neighbours.len() - preceding >= QUIET / 2
 }
 
 /// Samples that jump alone; `left_out` is left out already.

@@ -16,6 +16,11 @@ pub(crate) fn iso8601(field: &str) -> Option<Second> {
         return None;
     }
     let text = field.trim().replace(',', ".").replacen(' ', "T", 1);
+    // milliseconds behind a third colon, as some programs write them
+    let text = match text.rsplit_once(':') {
+        Some((time, fraction)) if text.matches(':').count() == 3 && fraction.len() == 3 => format!("{time}.{fraction}"),
+        _ => text,
+    };
     if let Ok(zoned) = DateTime::parse_from_rfc3339(&text) {
         return Some(total_seconds(zoned.timestamp(), zoned.timestamp_subsec_nanos()));
     }
@@ -41,7 +46,7 @@ mod tests {
         assert_eq!(iso8601("1970-01-02 00:00:00,125"), Some(86_400.125));
         assert_eq!(iso8601("1970-01-01T02:00:00.5+02:00"), Some(0.5));
         assert_eq!(iso8601("1970-01-01T00:00:01Z"), Some(1.0));
-        assert_eq!(iso8601("01:00:00.25"), Some(3600.25));
+        assert_eq!([iso8601("01:00:00.25"), iso8601("01:00:00:250")], [Some(3600.25); 2]);
         for day in ["1970/01/02 00:00:00.125", "02.01.1970 00:00:00,125"] {
             assert_eq!(iso8601(day), Some(86_400.125), "{day}");
         }

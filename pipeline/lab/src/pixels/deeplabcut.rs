@@ -48,11 +48,11 @@ pub(super) fn read_places(text: &str, names: &[String]) -> Result<Vec<(usize, Pl
     Ok(places)
 }
 
-/// Frames rise where their first field is a number; it may be the name of a picture.
+/// Frames follow each other where their first field is a number; it may be the name of a picture.
 fn check_order(line: &str, last: &mut Option<u64>) -> Result<()> {
     let number = line.split(',').next().and_then(|word| word.trim().parse::<u64>().ok());
     if let (Some(number), Some(previous)) = (number, *last)
-        && number <= previous
+        && number != previous + 1
     {
         return Err(import_error(format!("frame {number} stands after frame {previous}")));
     }

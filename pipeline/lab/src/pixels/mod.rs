@@ -1,6 +1,9 @@
 //! Tracks of markers in a film's pixels from another program: a CSV of `study track` or of DeepLabCut.
 
 mod deeplabcut;
+mod sleap;
+
+use std::borrow::Cow;
 
 use si::Point2;
 
@@ -33,12 +36,17 @@ pub fn read(bytes: &[u8], names: &[String], frames: usize, sigma: f64) -> Result
     }
     let text =
         crate::log::encoding::decode_text(bytes.to_vec()).ok_or_else(|| import_error("the file is no text".into()))?;
-    let text = text.trim_start_matches('\u{feff}');
+    let text = with_commas(text.trim_start_matches('\u{feff}'));
     let title_line = text.lines().next().unwrap_or_default();
     let places = match title_line.split(',').next().map(str::trim) {
-        Some("scorer") => deeplabcut::read_places(text, names)?,
-        Some("frame") => study_places(text, names)?,
-        _ => return Err(import_error("its first line is neither `frame,…` nor DeepLabCut's `scorer,…`".into())),
+        Some("scorer") => deeplabcut::read_places(&text, names)?,
+        Some("frame") => study_places(&text, names)?,
+        Some("track") => sleap::read_places(&text, names, frames)?,
+        _ => {
+            let reason =
+                "its first line is neither `frame,…` nor DeepLabCut's `scorer,…` nor SLEAP's `track,frame_idx,…`";
+            return Err(import_error(reason.into()));
+        }
     };
     let path = |(marker, name): (usize, &String)| {
         let marker_places: Vec<&Place> =
@@ -54,6 +62,15 @@ pub fn read(bytes: &[u8], names: &[String], frames: usize, sigma: f64) -> Result
         Ok(PixelTrack { name: name.clone(), at, covariance })
     };
     names.iter().enumerate().map(path).collect()
+}
+
+/// A text between commas; a program that saves a table between semicolons or tabs writes decimal commas.
+fn with_commas(text: &str) -> Cow<'_, str> {
+    let title_line = text.lines().next().unwrap_or_default();
+    match [';', '\t'].into_iter().find(|sign| title_line.contains(*sign) && !title_line.contains(',')) {
+        Some(separator) => Cow::Owned(text.replace(',', ".").replace(separator, ",")),
+        None => Cow::Borrowed(text),
+    }
 }
 
 /// A marker in a frame.
@@ -79,7 +96,7 @@ fn study_places(text: &str, names: &[String]) -> Result<Vec<(usize, Place)>> {
             return Err(import_error(format!("line {} has no frame and marker with u and v", row + 1)));
         };
         let Some(marker) = names.iter().position(|marker_name| marker_name == name) else { continue };
-        if let Some(previous) = last[marker].filter(|previous| frame <= *previous) {
+        if let Some(previous) = last[marker].filter(|previous| frame != *previous + 1) {
             return Err(import_error(format!(
                 "line {}: frame {frame} of marker `{name}` stands after frame {previous}",
                 row + 1
@@ -122,6 +139,18 @@ mod tests {
                 .why
                 .contains("`m1` has 2 positions, the film 3 frames")
         );
+    }
+
+    #[test]
+    fn a_table_between_semicolons_has_decimal_commas() {
+        let text = TEXT.replace('.', "#").replace(',', ";").replace('#', ",");
+        assert_eq!(read(text.as_bytes(), &names(), 2, 9.0), read(TEXT.as_bytes(), &names(), 2, 9.0));
+    }
+
+    #[test]
+    fn a_frame_that_is_left_out_is_refused_with_its_line() {
+        let said = read(TEXT.replace("\n1,", "\n2,").as_bytes(), &names(), 2, 9.0).unwrap_err().why;
+        assert!(said.contains("line 4: frame 2 of marker `m1` stands after frame 0"), "{said}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Places in space as CSV: one line a frame and marker, the unit in the titles.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use csv::StringRecord;
@@ -7,6 +8,8 @@ use si::Second;
 
 use super::{EXPORT, Trajectories, Trajectory, in_metres, length_unit_of};
 use crate::card::LengthUnit;
+use crate::log::encoding::decode_text;
+use crate::log::table::encoding_name;
 use diagnostics::Diagnostic;
 
 /// The places in a file's `bytes`.
@@ -14,7 +17,11 @@ use diagnostics::Diagnostic;
 /// # Errors
 /// As [`super::read`].
 pub(super) fn read_csv(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
+    let text = as_utf_8(bytes);
+    let title_line = text.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let separator = [b';', b'\t'].into_iter().find(|sign| title_line.contains(sign)).unwrap_or(b',');
+    let mut reader =
+        csv::ReaderBuilder::new().delimiter(separator).trim(csv::Trim::All).flexible(true).from_reader(&text[..]);
     let titles = reader.headers().map_err(|e| line_error(path, 1, e.to_string()))?.clone();
     let columns = Columns::of(&titles, path)?;
     let mut trajectories = Trajectories { time: Vec::new(), markers: Vec::new() };
@@ -33,6 +40,14 @@ pub(super) fn read_csv(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagno
             );
             Err(Diagnostic::file(path, defect, "every marker has a line in every frame", EXPORT))
         }
+    }
+}
+
+/// The bytes in UTF-8 without a byte-order mark; what is in no encoding is refused with its line.
+fn as_utf_8(bytes: &[u8]) -> Cow<'_, [u8]> {
+    match encoding_name(bytes) {
+        "UTF-16" => decode_text(bytes.to_vec()).map_or(Cow::Borrowed(bytes), |text| Cow::Owned(text.into_bytes())),
+        _ => Cow::Borrowed(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)),
     }
 }
 
@@ -66,15 +81,20 @@ impl Columns {
 
     /// Takes in a line.
     fn take(&self, record: &StringRecord, trajectories: &mut Trajectories) -> Result<(), String> {
+        // between semicolons and tabs a comma is a decimal sign
         let number = |column: usize| {
             let word = record.get(column).unwrap_or_default();
-            word.parse::<f64>().map_err(|_| format!("`{word}` is no number"))
+            word.replacen(',', ".", 1).parse::<f64>().map_err(|_| format!("`{word}` is no number"))
+        };
+        let coordinate = |column: usize| match record.get(column) {
+            Some("") => Ok(f64::NAN),
+            _ => number(column),
         };
         let time: Second = number(self.time)?;
         let name = record.get(self.marker).unwrap_or_default();
         let mut coordinates = [0.0; 3];
         for (x, column) in coordinates.iter_mut().zip(self.at) {
-            *x = column.map_or(Ok(0.0), number)?;
+            *x = column.map_or(Ok(0.0), coordinate)?;
         }
         let index = match trajectories.markers.iter().position(|trajectory| trajectory.name == name) {
             Some(index) => index,

@@ -124,7 +124,16 @@ fn length_unit_of(word: &str) -> Option<LengthUnit> {
     }
 }
 
-/// A place of the file in metres; none when one of its numbers is none.
+/// Whether a program wrote the coordinates where a marker was lost: one number of nines alone, or one beyond all lengths, in each.
+fn is_placeholder([x, y, z]: Point3) -> bool {
+    let digits = x.abs().to_string();
+    let is_nines = digits.len() >= 3 && digits.bytes().all(|digit| digit == b'9');
+    // a file of a plane has no z
+    (is_nines || x.abs() > 1e20) && x == y && (z == x || z == 0.0)
+}
+
+/// A place of the file in metres; none when one of its numbers is none, or stands for a marker that was lost.
 fn in_metres(coordinates: Point3, unit: LengthUnit) -> Option<Point3> {
-    coordinates.iter().all(|x| x.is_finite()).then(|| coordinates.map(|x| x * unit.metres()))
+    let is_place = coordinates.iter().all(|x| x.is_finite()) && !is_placeholder(coordinates);
+    is_place.then(|| coordinates.map(|x| x * unit.metres()))
 }

@@ -205,7 +205,7 @@ impl<'a> File<'a> {
         Ok(match kind {
             "double" => f64::from_be_bytes(self.tokens.take_bytes(quantity)?),
             "float" => f32::from_be_bytes(self.tokens.take_bytes(quantity)?).into(),
-            "int" | "vtkidtype" => i32::from_be_bytes(self.tokens.take_bytes(quantity)?).into(),
+            "int" | "vtkidtype" | "vtktypeint32" => i32::from_be_bytes(self.tokens.take_bytes(quantity)?).into(),
             "unsigned_int" => u32::from_be_bytes(self.tokens.take_bytes(quantity)?).into(),
             "long" | "vtktypeint64" | "unsigned_long" => i64::from_be_bytes(self.tokens.take_bytes(quantity)?) as f64,
             "short" => i16::from_be_bytes(self.tokens.take_bytes(quantity)?).into(),

@@ -35,6 +35,9 @@ pub(super) fn read_triangles(bytes: &[u8]) -> Result<Vec<Triangle>, StlSyntax> {
     let length = count.and_then(|count| (count as usize).checked_mul(TRIANGLE)?.checked_add(HEAD));
     // Some programs begin the remark of a binary file with `solid`: its length decides before its words do.
     match length {
+        // length: whole triangles stand behind the head
+        _ if is_uncounted(bytes, count, text) => Ok(bytes[HEAD..].chunks_exact(TRIANGLE).map(read_triangle).collect()),
+        Some(length) if hides_triangles(bytes, length) && !is_text(text) => Err(miscounted(bytes.len(), count)),
         Some(length) if length == bytes.len() || length < bytes.len() && !is_text(text) => {
             // length: the head announces whole triangles
             Ok(bytes[HEAD..length].chunks_exact(TRIANGLE).map(read_triangle).collect())
@@ -42,6 +45,27 @@ pub(super) fn read_triangles(bytes: &[u8]) -> Result<Vec<Triangle>, StlSyntax> {
         _ if is_text(text) => Text::new(text).read_facets(),
         _ => Err(binary_length(bytes.len(), length)),
     }
+}
+
+/// Whether a binary file has the count that a program writes before it knows the number of triangles, and the length of some.
+fn is_uncounted(bytes: &[u8], count: Option<u32>, text: &[u8]) -> bool {
+    let is_whole = bytes.len() > HEAD && (bytes.len() - HEAD).is_multiple_of(TRIANGLE);
+    matches!(count, Some(0 | u32::MAX)) && is_whole && !(is_text(text) && text.is_ascii())
+}
+
+/// Whether whole triangles that are not all zeros stand behind the counted ones.
+fn hides_triangles(bytes: &[u8], length: usize) -> bool {
+    let behind = bytes.get(length..).unwrap_or_default();
+    !behind.is_empty() && behind.len().is_multiple_of(TRIANGLE) && behind.iter().any(|byte| *byte != 0)
+}
+
+fn miscounted(bytes: usize, count: Option<u32>) -> StlSyntax {
+    let word = format!(
+        "a count of {} triangles, in a file with the length of {},",
+        count.unwrap_or(0),
+        (bytes - HEAD) / TRIANGLE
+    );
+    StlSyntax { place: "byte 80".into(), word, wanted: "the number of triangles" }
 }
 
 fn binary_length(bytes: usize, expected: Option<usize>) -> StlSyntax {
@@ -198,6 +222,26 @@ mod tests {
         assert_eq!(read_triangles(&binary).unwrap(), [CORNERS]);
         binary.pop();
         assert!(read_triangles(&binary).is_err());
+    }
+
+    #[test]
+    fn a_count_that_was_never_written_is_that_of_the_length_and_a_wrong_one_is_refused() {
+        let mut binary = vec![b' '; 80];
+        binary.extend(0_u32.to_le_bytes());
+        for _ in 0..3 {
+            binary.extend([0.0_f32; 3].iter().chain(CORNERS.iter().flatten()).flat_map(|x| x.to_le_bytes()));
+            binary.extend([0, 0]);
+        }
+        assert_eq!(read_triangles(&binary).unwrap(), [CORNERS; 3]);
+        binary[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert_eq!(read_triangles(&binary).unwrap(), [CORNERS; 3]);
+        binary[80] = 2;
+        binary[81..84].fill(0);
+        let error = read_triangles(&binary).unwrap_err().to_string();
+        assert!(error.contains("a count of 2 triangles, in a file with the length of 3"), "{error}");
+        let behind = HEAD + 2 * TRIANGLE;
+        binary[behind..].fill(0);
+        assert_eq!(read_triangles(&binary).unwrap(), [CORNERS; 2], "zeros fill the file");
     }
 
     #[test]

@@ -105,7 +105,8 @@ impl Stage for Camera {
             .then(|| focal_difference(&calibration.lens, &board_views.views, &board.points(), board_views.size))
             .flatten();
         if calibration.reprojection_px > set.reprojection_limit_px {
-            return Err(not_believed(context, calibration.reprojection_px, set.reprojection_limit_px));
+            let measured_and_limit = [calibration.reprojection_px, set.reprojection_limit_px];
+            return Err(not_believed(context, measured_and_limit, is_known));
         }
         let plane_view = View::mean(&board_views.on_plane);
         let on_board = plane_view.points(&board.points());
@@ -224,14 +225,24 @@ fn not_on_plane(context: &dyn StageContext, camera: &CalibrationFilm) -> Diagnos
     )
 }
 
-fn not_believed(context: &dyn StageContext, measured: f64, limit: f64) -> Diagnostic {
-    Diagnostic::new(
-        format!("the lens fitted to {} is not accurate enough", context.display_path("calibration")),
-        format!(
-            "its reprojection error is {measured:.2} px; the limit is {limit:.2} px (study.toml, [camera] reprojection_limit_px)"
-        ),
-        "check the number of squares on the card, and film the board at rest and sharp",
-    )
+fn not_believed(context: &dyn StageContext, [measured, limit]: [f64; 2], is_known: bool) -> Diagnostic {
+    let film = context.display_path("calibration");
+    let reason = format!(
+        "its reprojection error is {measured:.2} px; the limit is {limit:.2} px (study.toml, [camera] reprojection_limit_px)"
+    );
+    let (defect, action) = if is_known {
+        let lens = context.display_path("lens");
+        (
+            format!("the lens of {lens} is not that of {film}"),
+            "name the lens file of this camera, zoom and size of pictures, leave `coefficients` out so that the lens is fitted to the board, or correct the board on the card",
+        )
+    } else {
+        (
+            format!("the lens fitted to {film} is not accurate enough"),
+            "check the number of squares on the card, and film the board at rest and sharp",
+        )
+    };
+    Diagnostic::new(defect, reason, action)
 }
 
 fn no_board(last_refusal: Option<Diagnostic>, context: &dyn StageContext) -> Diagnostic {

@@ -35,6 +35,7 @@ impl Stage for Identify {
     ) -> Result<Identified> {
         let mut fitting = Fitting::new(card, set, &mesh, &films)?;
         let minimum = fitting.minimise(context)?;
+        fitting.check_direction(&minimum)?;
         fitting.assemble_record(&minimum, finer_model(card, set, (&mesh, &films), context), context)
     }
 }

@@ -9,6 +9,7 @@ mod calibration;
 pub mod camera;
 pub mod clock;
 mod deviations;
+mod direction;
 mod discretisation;
 mod drag;
 mod example_frames;

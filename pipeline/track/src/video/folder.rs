@@ -118,8 +118,20 @@ fn read_times(file: &Path) -> Result<Vec<Second>, VideoError> {
     // the file may grow while it is read
     opened.take(MAX_TIMES_BYTES).read_to_end(&mut bytes).map_err(|e| VideoError::reading_error(file, e))?;
     let text = String::from_utf8_lossy(&bytes);
-    let times = text.lines().filter_map(|line| line.trim().parse().ok());
+    let times = text.lines().filter_map(line_time);
     Ok(times.filter(|time: &Second| time.is_finite()).collect())
+}
+
+/// The time of a line: its last field, where a name or an index may stand before it. Between semicolons or tabs a comma is a decimal sign; of
+/// 3,120 nobody knows what it is.
+fn line_time(line: &str) -> Option<Second> {
+    let line = line.trim();
+    if let Some((_, field)) = line.rsplit_once([';', '\t']) {
+        return field.trim().replacen(',', ".", 1).parse().ok();
+    }
+    let (before, field) = line.rsplit_once(',').unwrap_or(("", line));
+    let is_open = before.parse::<i64>().is_ok() && !field.contains('.');
+    field.trim().parse().ok().filter(|_| !is_open)
 }
 
 /// A PNG or JPEG, by its first bytes; all pictures of a film have one depth, that of the first.
@@ -180,6 +192,23 @@ mod tests {
         let mut film = Folder::open(&folder).unwrap();
         assert_eq!(film.next().unwrap().unwrap().time, 2.5);
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_time_may_stand_behind_the_name_of_its_picture_and_have_a_decimal_comma() {
+        for (line, time) in [
+            ("0.04", Some(0.04)),
+            ("0,04", None),
+            ("3,120", None),
+            ("3,0.120", Some(0.12)),
+            ("img_1.png,0.04", Some(0.04)),
+            ("img_1.png;0,04", Some(0.04)),
+            ("1.5,0.04", Some(0.04)),
+            ("file,time_s", None),
+            ("", None),
+        ] {
+            assert_eq!(line_time(line), time, "{line}");
+        }
     }
 
     #[test]

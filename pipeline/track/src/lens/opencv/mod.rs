@@ -122,10 +122,14 @@ pub struct KnownLens {
 /// [`YamlError`] when a matrix is missing or the distortion is of another kind.
 pub fn read(text: &str, fisheye: bool) -> Result<KnownLens, YamlError> {
     let values = Values::new(text);
+    // first the model: that of others has other numbers, and they would be missed
+    let fisheye = is_fisheye(&values)? || fisheye;
     let matrix = camera_matrix(&values)?;
     check_matrix(&matrix)?;
-    let coefficients = values.numbers_of(&BENT).unwrap_or_default();
-    let fisheye = fisheye || is_fisheye(&values)?;
+    let mut coefficients = values.numbers_of(&BENT).unwrap_or_default();
+    if coefficients.is_empty() && values.word_of(&["distortion_model"]) == Some("none") {
+        coefficients = vec![0.0; BENDS];
+    }
     if !COUNTS.contains(&coefficients.len()) {
         return Err(YamlError::Values { key: COEFFICIENTS, found: coefficients.len(), wanted: "4, 5, 8, 12 or 14" });
     }
@@ -318,6 +322,12 @@ mod tests {
         assert_eq!(sized.size, Some([1280, 720]));
         let omni = read(&kalibr.replace("pinhole", "omni"), false).unwrap_err();
         assert!(matches!(&omni, YamlError::OtherModel { name } if name == "omni"), "{omni}");
+        let intrinsics = "intrinsics: [1.2, 900, 901, 640, 360]";
+        let five = kalibr.replace("pinhole", "omni").replace("intrinsics: [900, 901, 640, 360]", intrinsics);
+        assert!(matches!(read(&five, false), Err(YamlError::OtherModel { .. })));
+        let none = kalibr.replace("equidistant", "none").replace("[0.1, 0.2, 0.3, 0.4]", "[]");
+        let straight = read(&none, false).unwrap().lens;
+        assert_eq!(straight.values(), [900.0, 901.0, 640.0, 360.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let two = read(&format!("{kalibr}{}", kalibr.replace("cam0", "cam1")), false).unwrap_err();
         assert!(matches!(two, YamlError::Cameras { cameras: 2 }), "{two}");
         let sample = TEXT.replace("---", "---\nfisheye_model: 0");
