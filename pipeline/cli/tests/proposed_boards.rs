@@ -5,9 +5,11 @@ mod specimen;
 
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use cli::proposal::{Confidence, Guess, Proposal, propose};
 use specimen::print::{POSES, checkerboard, flat, posed};
+use specimen::{Project, card, changed};
 
 use track::Gray;
 use track::video::{Quality, Writer};
@@ -148,4 +150,34 @@ fn what_a_film_does_not_show_is_a_question_or_less_than_certain() {
     // a checkerboard's black squares alone
     let (proposal, _) = proposed("few", &square_dots([3, 3], 26.0));
     assert_eq!(guess(&proposal, "camera.calibration").value, None, "{proposal}");
+}
+
+/// A ChArUco film on the card as it is proposed, with what was measured on the print.
+#[test]
+fn a_charuco_film_goes_through_the_doctor_and_the_stage_that_calibrates() {
+    let print = charuco("dict_4x4_50_7x5", 28.0);
+    let project = Project::new("charuco");
+    let (frames, views) = (30, POSES * 6);
+    project.film("camera/calibration.mp4", frames + views, |k| if k < frames { flat(&print) } else { posed(&print, (k - frames) / 6) });
+    // 28 px a square at 20 px for 12 mm; the plane's scale and place are those of the card
+    let board = "kind = \"charuco\"\ncolumns = 7\nrows = 5\nsquare = 0.0168\nmarker = 0.0126\ndictionary = \"DICT_4X4_50\"\n";
+    let card = changed(&card(), "columns = 9\nrows = 6\nsquare = 0.012  # m\n", board);
+    // inner corner (0, 0) is the lower left one: 2.5 squares left and 1.5 below the picture's middle
+    let origin = "origin = [0.0263, -0.0242]";
+    project.write("specimen.toml", &changed(&card, origin, "origin = [-0.0157, -0.0254]"));
+    let run = |words: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_study")).args(words).arg("--root").arg(&project.0).output().unwrap();
+        let text = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        (output.status.code(), text)
+    };
+    let (code, said) = run(&["doctor", "fish"]);
+    assert!(code == Some(0) && said.contains(" 0 to fix"), "{said}");
+    let (code, said) = run(&["run", "camera", "--specimen", "fish"]);
+    assert_eq!(code, Some(0), "{said}");
+    // a wrong dictionary is refused by both, with the right one
+    project.write("specimen.toml", &changed(&fs::read_to_string(project.path("specimen.toml")).unwrap(), "DICT_4X4_50", "DICT_6X6_250"));
+    for words in [&["doctor", "fish"][..], &["run", "camera", "--specimen", "fish"]] {
+        let (code, said) = run(words);
+        assert!(code != Some(0) && said.contains("DICT_4X4"), "{said}");
+    }
 }
