@@ -91,7 +91,8 @@ fn without_a_lamp_the_lag_is_that_at_which_picture_and_pressures_change_together
         let lag: f64 = line.split(" = ").nth(1).unwrap().split(';').next().unwrap().parse().unwrap();
         assert!((lag - later).abs() < 0.03, "{line}");
         assert!(line.starts_with("likely"), "{line}");
-        assert!(said.contains("question led.centre") && !said.contains("certain  trial"), "{said}");
+        // the mark's edge goes dark, light and dark, but no log has a lamp that is on as long
+        assert!(!said.contains("likely   led.centre") && !said.contains("certain  trial"), "{said}");
         fs::remove_file(folder.join("specimen.toml")).unwrap();
     }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use cli::proposal::{Confidence, Guess, Proposal, propose};
-use specimen::print::{POSES, checkerboard, flat, posed};
+use specimen::print::{POSES, checkerboard, posed, tilted};
 use specimen::{Project, card, changed};
 
 use track::Gray;
@@ -65,7 +65,7 @@ impl Folder {
         let film = Writer::create(&folder.join("board.mp4"), (320, 240), 10.0, Quality::Quantiser(20));
         let mut film = film.unwrap();
         (0..POSES).for_each(|pose| film.push(&posed(print, pose)).unwrap());
-        (0..6).for_each(|_| film.push(&flat(print)).unwrap());
+        (0..6).for_each(|_| film.push(&tilted(print, 0.0)).unwrap());
         film.finish().unwrap();
         Self(folder)
     }
@@ -158,7 +158,7 @@ fn a_charuco_film_goes_through_the_doctor_and_the_stage_that_calibrates() {
     let print = charuco("dict_4x4_50_7x5", 28.0);
     let project = Project::new("charuco");
     let (frames, views) = (30, POSES * 6);
-    project.film("camera/calibration.mp4", frames + views, |k| if k < frames { flat(&print) } else { posed(&print, (k - frames) / 6) });
+    project.film("camera/calibration.mp4", frames + views, |k| if k < frames { tilted(&print, 0.0) } else { posed(&print, (k - frames) / 6) });
     // 28 px a square at 20 px for 12 mm; the plane's scale and place are those of the card
     let board = "kind = \"charuco\"\ncolumns = 7\nrows = 5\nsquare = 0.0168\nmarker = 0.0126\ndictionary = \"DICT_4X4_50\"\n";
     let card = changed(&card(), "columns = 9\nrows = 6\nsquare = 0.012  # m\n", board);

@@ -63,7 +63,7 @@ fn surfaces_of_every_form_that_the_doctor_vouches_for_are_meshed_by_run() {
         surface("solid alone in the first line", plain.replacen("solid body", "solid", 1), Verdict::Read),
         surface("binary that begins with solid", binary.clone(), Verdict::Read),
         surface("a hole", ascii_body(|k, face| if k == last { String::new() } else { face }), Verdict::Refused),
-        surface("a face twice", twice, Verdict::Refused),
+        surface("a face twice", twice, Verdict::Read),
         surface("cut in binary", binary[..binary.len() - 30].to_vec(), Verdict::Refused),
         surface("cut in ASCII", plain[..plain.len() * 2 / 3].to_owned(), Verdict::Refused),
         surface("a corner that is no number", plain.replacen("vertex 0", "vertex O", 1), Verdict::Refused),
@@ -250,7 +250,7 @@ fn force_logs_that_the_doctor_vouches_for_are_read_by_run() {
 fn a_force_page_reads_what_a_card_reads() {
     let project = Project::new("vouched-page");
     let page = "name = \"cell\"\nchannels = [\"left\"]\n[log]\nforce_lag = 0.0\n[[recording]]\nid = \"run\"\nkind = \"flapping\"\n\
-                force = \"force.csv\"\nseconds = [0.4, 0.9]\nfrequency = 4.0\n";
+                force = \"force.csv\"\nseconds = [0.2, 0.9]\nfrequency = 10.0\n";
     let folder = project.path("trials/static_left");
     std::fs::write(folder.join("page.toml"), page).unwrap();
     for input in force_inputs(false) {

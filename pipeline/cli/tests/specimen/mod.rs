@@ -6,6 +6,7 @@ pub mod print;
 use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 use mesh::{Surface, stl};
 use tail_cad::Tail;
@@ -53,7 +54,7 @@ impl Project {
     /// The film of a board: on its plane as `flat` shows it, then the board of nine by six squares in several poses.
     pub fn calibration(&self, flat: impl Fn(usize) -> Gray) {
         let frames = ON_PLANE + VIEW * print::POSES;
-        let posed = |k: usize| print::posed(&|at| print::checkerboard([9, 6], 20.0, at), (k - ON_PLANE) / VIEW);
+        let posed = |k: usize| POSED[(k - ON_PLANE) / VIEW].clone();
         self.film("camera/calibration.mp4", frames, |k| if k < ON_PLANE { flat(k) } else { posed(k) });
     }
 
@@ -63,6 +64,12 @@ impl Project {
         film.finish().unwrap();
     }
 }
+
+/// The board of nine by six squares in its poses.
+static POSED: LazyLock<Vec<Gray>> = LazyLock::new(|| {
+    let board = |at| print::checkerboard([9, 6], 20.0, at);
+    (0..print::POSES).map(|pose| print::posed(&board, pose)).collect()
+});
 
 /// Frames of the calibration in which the board lies on its plane, and frames of each pose.
 const ON_PLANE: usize = 30;

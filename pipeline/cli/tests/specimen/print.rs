@@ -22,9 +22,9 @@ pub fn posed(level: &dyn Fn([f64; 2]) -> f64, pose: usize) -> Gray {
     rendered(level, (tilts, 0.25 * (1.1 * turn).sin(), shift))
 }
 
-/// A board flat before the camera.
-pub fn flat(level: &dyn Fn([f64; 2]) -> f64) -> Gray {
-    rendered(level, ([0.0; 2], 0.0, [0.0; 3]))
+/// A board at a place of the picture, turned about the picture's upright axis by `tilt` (rad).
+pub fn tilted(level: &dyn Fn([f64; 2]) -> f64, tilt: f64) -> Gray {
+    rendered(level, ([0.0, tilt], 0.0, [0.0; 3]))
 }
 
 fn rendered(level: &dyn Fn([f64; 2]) -> f64, ([a, b], roll, [x, y, away]): Posed) -> Gray {

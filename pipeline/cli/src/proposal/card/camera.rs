@@ -139,7 +139,8 @@ impl Writer {
         self.question("camera.plane.", "height", "nan", "m, -1 to 1; z of the board's upper side");
     }
 
-    pub(super) fn lamp(&mut self, lamp: Option<&Lamp>, films: &[&Footage]) {
+    /// The lamp; `is_logged` is whether a log has one that is on as long.
+    pub(super) fn lamp(&mut self, lamp: Option<&Lamp>, films: &[&Footage], is_logged: bool) {
         if films.is_empty() {
             return;
         }
@@ -154,10 +155,14 @@ impl Writer {
             self.question("led.", "radius", "nan", "px, 1 to 500; of its bright disc");
             return;
         };
-        let evidence = format!("dark, light, then dark again in the {} films", films.len());
+        let (confidence, logged) = match is_logged {
+            true => (Confidence::Likely, "as long as in the logs"),
+            false => (Confidence::Unsure, "but as long in no log: it may be a mark that moves"),
+        };
+        let evidence = format!("dark, light, then dark again in the {} films, {logged}", films.len());
         let centre = format!("[{:.1}, {:.1}]", lamp.centre[0], lamp.centre[1]);
-        self.line("centre", Guess::new(Confidence::Likely, "led.centre", centre, &evidence));
-        self.line("radius", Guess::new(Confidence::Likely, "led.radius", format!("{:.1}", lamp.radius), &evidence));
+        self.line("centre", Guess::new(confidence, "led.centre", centre, &evidence));
+        self.line("radius", Guess::new(confidence, "led.radius", format!("{:.1}", lamp.radius), &evidence));
     }
 }
 
