@@ -87,7 +87,8 @@ fn without_a_lamp_the_lag_is_that_at_which_picture_and_pressures_change_together
         fs::write(folder.join("b.csv"), dark).unwrap();
         let (said, code) = study(&project, &["doctor", folder.to_str().unwrap()]);
         assert_eq!(code, Some(0), "{said}");
-        let line = said.lines().find(|line| line.contains("trial.a.lag.pressure = ")).unwrap_or_else(|| panic!("{said}"));
+        let line =
+            said.lines().find(|line| line.contains("trial.a.lag.pressure = ")).unwrap_or_else(|| panic!("{said}"));
         let lag: f64 = line.split(" = ").nth(1).unwrap().split(';').next().unwrap().parse().unwrap();
         assert!((lag - later).abs() < 0.03, "{line}");
         assert!(line.starts_with("likely"), "{line}");

@@ -8,11 +8,14 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use cli::proposal::{Confidence, Guess, Proposal, propose};
-use specimen::print::{POSES, checkerboard, posed, tilted};
+use specimen::print::{POSES, Posed, checkerboard, posed, rendered};
 use specimen::{Project, card, changed};
 
 use track::Gray;
 use track::video::{Quality, Writer};
+
+/// Flat before the camera.
+const FLAT: Posed = ([0.0; 2], 0.0, [0.0; 3]);
 
 /// The level of a print at a place, px from its middle.
 type Print = Box<dyn Fn([f64; 2]) -> f64>;
@@ -65,7 +68,7 @@ impl Folder {
         let film = Writer::create(&folder.join("board.mp4"), (320, 240), 10.0, Quality::Quantiser(20));
         let mut film = film.unwrap();
         (0..POSES).for_each(|pose| film.push(&posed(print, pose)).unwrap());
-        (0..6).for_each(|_| film.push(&tilted(print, 0.0)).unwrap());
+        (0..6).for_each(|_| film.push(&rendered(print, FLAT)).unwrap());
         film.finish().unwrap();
         Self(folder)
     }
@@ -124,7 +127,10 @@ fn the_print_of_a_charuco_board_and_the_share_of_its_markers_are_told() {
         let marker = &guess(&proposal, "camera.board.marker").evidence;
         let share: f64 = marker.split(": ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
         assert!((share - 0.75).abs() < 0.04, "{marker}");
-        assert!(board(&card, "marker") == "nan" && guess(&proposal, "camera.board.dictionary").confidence == Confidence::Likely);
+        assert!(
+            board(&card, "marker") == "nan"
+                && guess(&proposal, "camera.board.dictionary").confidence == Confidence::Likely
+        );
     }
 }
 
@@ -140,7 +146,10 @@ fn what_a_film_does_not_show_is_a_question_or_less_than_certain() {
         let covered: Print = Box::new(move |[x, y]| if y > 11.0 { 80.0 } else { print([x, y]) });
         let (proposal, _) = proposed(name, &covered);
         let sizes = proposal.guesses.iter().filter(|guess| guess.about.starts_with("camera.board."));
-        assert!(sizes.into_iter().all(|guess| guess.about.ends_with("kind") || guess.confidence > Confidence::Certain), "{proposal}");
+        assert!(
+            sizes.into_iter().all(|guess| guess.about.ends_with("kind") || guess.confidence > Confidence::Certain),
+            "{proposal}"
+        );
     }
     let (proposal, _) = proposed("even", &shifted_dots([4, 10], 20.0));
     assert_eq!(guess(&proposal, "camera.board.rows").confidence, Confidence::Likely, "{proposal}");
@@ -158,15 +167,19 @@ fn a_charuco_film_goes_through_the_doctor_and_the_stage_that_calibrates() {
     let print = charuco("dict_4x4_50_7x5", 28.0);
     let project = Project::new("charuco");
     let (frames, views) = (30, POSES * 6);
-    project.film("camera/calibration.mp4", frames + views, |k| if k < frames { tilted(&print, 0.0) } else { posed(&print, (k - frames) / 6) });
+    project.film("camera/calibration.mp4", frames + views, |k| {
+        if k < frames { rendered(&print, FLAT) } else { posed(&print, (k - frames) / 6) }
+    });
     // 28 px a square at 20 px for 12 mm; the plane's scale and place are those of the card
-    let board = "kind = \"charuco\"\ncolumns = 7\nrows = 5\nsquare = 0.0168\nmarker = 0.0126\ndictionary = \"DICT_4X4_50\"\n";
+    let board =
+        "kind = \"charuco\"\ncolumns = 7\nrows = 5\nsquare = 0.0168\nmarker = 0.0126\ndictionary = \"DICT_4X4_50\"\n";
     let card = changed(&card(), "columns = 9\nrows = 6\nsquare = 0.012  # m\n", board);
     // inner corner (0, 0) is the lower left one: 2.5 squares left and 1.5 below the picture's middle
     let origin = "origin = [0.0263, -0.0242]";
     project.write("specimen.toml", &changed(&card, origin, "origin = [-0.0157, -0.0254]"));
     let run = |words: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_study")).args(words).arg("--root").arg(&project.0).output().unwrap();
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_study")).args(words).arg("--root").arg(&project.0).output().unwrap();
         let text = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         (output.status.code(), text)
     };
@@ -175,7 +188,10 @@ fn a_charuco_film_goes_through_the_doctor_and_the_stage_that_calibrates() {
     let (code, said) = run(&["run", "camera", "--specimen", "fish"]);
     assert_eq!(code, Some(0), "{said}");
     // a wrong dictionary is refused by both, with the right one
-    project.write("specimen.toml", &changed(&fs::read_to_string(project.path("specimen.toml")).unwrap(), "DICT_4X4_50", "DICT_6X6_250"));
+    project.write(
+        "specimen.toml",
+        &changed(&fs::read_to_string(project.path("specimen.toml")).unwrap(), "DICT_4X4_50", "DICT_6X6_250"),
+    );
     for words in [&["doctor", "fish"][..], &["run", "camera", "--specimen", "fish"]] {
         let (code, said) = run(words);
         assert!(code != Some(0) && said.contains("DICT_4X4"), "{said}");

@@ -81,8 +81,13 @@ fn ball_card(file: &str, [soft, stiff]: [&str; 2]) -> String {
              density = 1070.0\nplausible = {range:?}\n"
         )
     };
-    let solids = format!("[solid]\nunit = \"m\"\nmesh = {file:?}\n{}{}", solid("silicone", soft, 2e5), solid("sheet", stiff, 2e6));
-    let chamber = "[clamp]\nbelow_x = -0.008\n\n[[chamber]]\nname = \"left\"\nat = [0.0, 0.0, 0.0]\nchannel = \"left\"\n\n";
+    let solids = format!(
+        "[solid]\nunit = \"m\"\nmesh = {file:?}\n{}{}",
+        solid("silicone", soft, 2e5),
+        solid("sheet", stiff, 2e6)
+    );
+    let chamber =
+        "[clamp]\nbelow_x = -0.008\n\n[[chamber]]\nname = \"left\"\nat = [0.0, 0.0, 0.0]\nchannel = \"left\"\n\n";
     let card = replaced(&card(), ("[solid]", "[[marker]]"), &format!("{solids}\n{chamber}"));
     let card = changed(&card, "at = [0.05, 0.0, 0.0174]", "at = [0.0, 0.0, 0.01]");
     changed(&card, "origin = [0.0263, -0.0242]", "origin = [-0.0237, -0.0242]")
@@ -174,12 +179,22 @@ fn places_in_space_that_the_doctor_vouches_for_are_read_by_run() {
             places("cut", cut.clone(), card.clone(), Verdict::Refused),
             places("no unit of length", unit.clone(), card.clone(), Verdict::Refused),
             places("no capture", b"frame".to_vec(), card.clone(), Verdict::Refused),
-            places("another marker", prefixed.clone(), changed(&card, "name = \"m1\"", "name = \"tip\""), Verdict::Refused),
+            places(
+                "another marker",
+                prefixed.clone(),
+                changed(&card, "name = \"m1\"", "name = \"tip\""),
+                Verdict::Refused,
+            ),
             places("elsewhere", prefixed.clone(), changed(&card, "0.015, -0.0174", "0.315, -0.0174"), Verdict::Refused),
             places("after the trial", prefixed.clone(), space_card(100.0, is_filmed), Verdict::Refused),
         ];
         if !is_filmed {
-            inputs.push(places("a marker of the card that is lost", gap.clone(), with_second_marker(&card), Verdict::Refused));
+            inputs.push(places(
+                "a marker of the card that is lost",
+                gap.clone(),
+                with_second_marker(&card),
+                Verdict::Refused,
+            ));
         }
         check(if is_filmed { "vouched-space-film" } else { "vouched-space" }, "clock", inputs);
     }
@@ -239,7 +254,13 @@ fn force_inputs(is_filmed: bool) -> Vec<Input> {
 fn force_logs_that_the_doctor_vouches_for_are_read_by_run() {
     for is_filmed in [false, true] {
         let places = fixture("lab/tests/data/subject_prefix.c3d");
-        let first = Input { name: "the places of the others", file: PLACES, bytes: places, card: space_card(0.0, is_filmed), verdict: Verdict::Read };
+        let first = Input {
+            name: "the places of the others",
+            file: PLACES,
+            bytes: places,
+            card: space_card(0.0, is_filmed),
+            verdict: Verdict::Read,
+        };
         let inputs = std::iter::once(first).chain(force_inputs(is_filmed)).collect();
         check(if is_filmed { "vouched-force-film" } else { "vouched-force" }, "wave", inputs);
     }

@@ -68,7 +68,8 @@ fn deviations(proposal: &Proposal, scrambled: &Scrambled) -> Vec<String> {
     for truth in &scrambled.trials {
         let of_film = trials.iter().find(|trial| trial["video"].as_str() == Some(&truth.film));
         compare(&truth.film, of_film.map_or_else(|| "no trial".into(), said), truth.said());
-        let about = of_film.map_or_else(String::new, |trial| format!("trial.{}.lag.pressure", trial["id"].as_str().unwrap()));
+        let about =
+            of_film.map_or_else(String::new, |trial| format!("trial.{}.lag.pressure", trial["id"].as_str().unwrap()));
         let lag = proposal.guesses.iter().find(|guess| guess.about == about).and_then(|guess| guess.value.clone());
         let is_near = |lag: String| (lag.parse::<f64>().unwrap() - truth.lags[0]).abs() < LAG;
         compare(&format!("lag of {}", truth.film), lag.is_some_and(is_near).to_string(), "true".into());
@@ -119,7 +120,14 @@ fn is_wrong_certainty(guess: &Guess, scrambled: &Scrambled, proposal: &Proposal)
     let parts: Vec<&str> = guess.about.split('.').collect();
     match parts[..] {
         ["camera", "calibration"] => unquoted != scrambled.calibration,
-        ["camera", "board", key] => unquoted != [("columns", "9"), ("rows", "6"), ("kind", "checkerboard")].iter().find(|(k, _)| *k == key).unwrap().1,
+        ["camera", "board", key] => {
+            unquoted
+                != [("columns", "9"), ("rows", "6"), ("kind", "checkerboard")]
+                    .iter()
+                    .find(|(k, _)| *k == key)
+                    .unwrap()
+                    .1
+        }
         ["trial", id, "lag", of] => {
             let lag: f64 = value.parse().unwrap();
             (lag - scrambled.lag_of(&film_of(proposal, id), of)).abs() > LAG

@@ -129,8 +129,7 @@ impl Project<'_> {
         };
         let (space_motion, space_findings) = space::space_findings(self, subject, (log.is_some(), decoded.as_ref()))?;
         let force_findings = log::force_findings(self, subject);
-        let mut findings =
-            all_findings([log_findings, force_findings, film_findings, space_findings, clock_findings]);
+        let mut findings = all_findings([log_findings, force_findings, film_findings, space_findings, clock_findings]);
         // what is wrong with a log has been reported with its line
         if let (Some(motion), true) = (filmed_motion.or(space_motion), findings.iter().all(|f| !f.must_fix())) {
             findings.extend(log::corrected_force_finding(self, subject, motion)?);

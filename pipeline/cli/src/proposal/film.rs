@@ -129,12 +129,7 @@ impl Search {
                 Print::Markers(dictionary, charuco)
             }
         };
-        self.is_carried().then_some(BoardSeen {
-            print,
-            pictures: (views.len(), self.pictures),
-            whole,
-            still,
-        })
+        self.is_carried().then_some(BoardSeen { print, pictures: (views.len(), self.pictures), whole, still })
     }
 }
 

@@ -172,20 +172,23 @@ mod tests {
         for frame in 0..30 {
             let is_on = (5..20).contains(&frame);
             let aside = if frame / 5 % 2 == 1 { 40.0 } else { 0.0 };
-            blocks.push(f64::from(frame) / 60.0, &Gray::from_fn(320, 200, |x, y| {
-                let distance = |u: f64, v: f64| (x as f64 - u).hypot(y as f64 - v);
-                match (distance(250.0, 40.0) < 9.0, distance(100.0 + aside, 120.0) < 12.0) {
-                    (true, _) => {
-                        if is_on {
-                            230.0
-                        } else {
-                            30.0
+            blocks.push(
+                f64::from(frame) / 60.0,
+                &Gray::from_fn(320, 200, |x, y| {
+                    let distance = |u: f64, v: f64| (x as f64 - u).hypot(y as f64 - v);
+                    match (distance(250.0, 40.0) < 9.0, distance(100.0 + aside, 120.0) < 12.0) {
+                        (true, _) => {
+                            if is_on {
+                                230.0
+                            } else {
+                                30.0
+                            }
                         }
+                        (_, true) => 40.0,
+                        _ => 150.0,
                     }
-                    (_, true) => 40.0,
-                    _ => 150.0,
-                }
-            }));
+                }),
+            );
         }
         blocks
     }

@@ -48,11 +48,7 @@ pub(super) fn trials<'a>(films: &[&'a Footage], lamp: Option<&Lamp>, logs: &'a [
     Trials { trials, true_seconds, unpaired }
 }
 
-fn trials_by_lamp<'a>(
-    films: &[&'a Footage],
-    lamp: Option<&Lamp>,
-    logs: &'a [Log],
-) -> (Vec<Trial<'a>>, Option<f64>) {
+fn trials_by_lamp<'a>(films: &[&'a Footage], lamp: Option<&Lamp>, logs: &'a [Log]) -> (Vec<Trial<'a>>, Option<f64>) {
     let lit_film = |film: &&'a Footage| Some(LitFilm { film, lit: film.blocks.lit(lamp?)? });
     let lit_films: Vec<LitFilm> = films.iter().filter_map(lit_film).collect();
     let pressure_logs = timed_logs(logs, Kind::Pressure);
@@ -201,7 +197,10 @@ fn name_trials(trials: &mut [Trial]) {
 fn unpaired(trials: &[Trial], films: &[&Footage], logs: &[Log]) -> Vec<Guess> {
     let films = films.iter().filter(|film| !trials.iter().any(|trial| std::ptr::eq(trial.film, **film)));
     let no_log = |film: &&Footage| {
-        Guess::question(&film.name, "a film to which no log belongs by its lamp or its motion: which does, or leave it out")
+        Guess::question(
+            &film.name,
+            "a film to which no log belongs by its lamp or its motion: which does, or leave it out",
+        )
     };
     let is_used = |log: &Log| {
         let is = |other: &Log| std::ptr::eq(other, log);

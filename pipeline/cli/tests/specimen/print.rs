@@ -9,7 +9,7 @@ const FOCAL: f64 = 384.0;
 const FINE: usize = 3;
 
 /// Tilts about the picture's axes (rad), roll (rad), and shift (px along the picture, and away from it) of a board.
-type Posed = ([f64; 2], f64, [f64; 3]);
+pub type Posed = ([f64; 2], f64, [f64; 3]);
 
 /// Poses in which a board is shown.
 pub const POSES: usize = 12;
@@ -22,12 +22,8 @@ pub fn posed(level: &dyn Fn([f64; 2]) -> f64, pose: usize) -> Gray {
     rendered(level, (tilts, 0.25 * (1.1 * turn).sin(), shift))
 }
 
-/// A board at a place of the picture, turned about the picture's upright axis by `tilt` (rad).
-pub fn tilted(level: &dyn Fn([f64; 2]) -> f64, tilt: f64) -> Gray {
-    rendered(level, ([0.0, tilt], 0.0, [0.0; 3]))
-}
-
-fn rendered(level: &dyn Fn([f64; 2]) -> f64, ([a, b], roll, [x, y, away]): Posed) -> Gray {
+/// A board as a camera sees it.
+pub fn rendered(level: &dyn Fn([f64; 2]) -> f64, ([a, b], roll, [x, y, away]): Posed) -> Gray {
     let (sin, cos) = ([a, b, roll].map(f64::sin), [a, b, roll].map(f64::cos));
     // columns of Rz Rx Ry: the print's axes and its normal before the camera
     let turned = |[u, v, w]: [f64; 3]| {

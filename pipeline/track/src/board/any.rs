@@ -3,11 +3,12 @@
 //! Each kind is told from the others by what they lack: readable markers, plain squares, light ground between dots.
 
 use super::charuco::any::{MarkerSet, any_markers};
+use super::lattice::Place;
+use super::margin::{grid_margin, has_light_margin, level_at};
 use super::reduced::Reduced;
 use super::{BLURS, check_levels, dots, lattice, saddle};
 use crate::Gray;
-use crate::calibrate::homography::{homography, map_point};
-use nalgebra::Matrix3;
+use crate::calibrate::homography::homography;
 use si::Point2;
 
 /// A board of which nothing was known.
@@ -54,12 +55,6 @@ const LEAST_DOTS: usize = 12;
 /// Between two dots the ground has this share of the contrast, at least. Squares of a checkerboard touch there and have half.
 const LIGHT_GROUND: f64 = 0.75;
 
-/// Places along each side of a board at which its margin is looked at, and the part of them that is light.
-const MARGIN_PLACES: usize = 12;
-const MARGIN: f64 = 0.8;
-/// Share of the contrast that a light margin has, at least.
-const MARGIN_LEVEL: f64 = 0.6;
-
 /// The board in a picture of which nothing is known; none where there is no whole grid and no six markers.
 pub fn any_board(picture: &Gray) -> Option<AnyBoard> {
     check_levels(picture).ok()?;
@@ -82,43 +77,6 @@ fn any_checkerboard(picture: &Gray) -> Option<AnyGrid> {
     let has_margin = grid_margin(picture, (&points, grid.columns), 1.3);
     let (columns, rows) = (grid.columns + 1, grid.rows + 1);
     is_plain.then_some(AnyGrid { kind: GridKind::Checkerboard, columns, rows, points, has_margin })
-}
-
-/// Whether there is light ground `beyond` the outer points of a square grid (rows of `across`), in steps of it.
-fn grid_margin(picture: &Gray, (points, across): (&[Point2], usize), beyond: f64) -> bool {
-    let cells: Vec<Point2> = (0..points.len()).map(|k| [(k % across) as f64, (k / across) as f64]).collect();
-    let [right, bottom] = [across, points.len() / across].map(|count| count as f64 - 1.0 + beyond);
-    let middles = cells.iter().map(|[x, y]| [x + 0.5, y + 0.5]).collect::<Vec<_>>();
-    homography(&cells, points).is_some_and(|map| {
-        let levels: Vec<f64> = middles.iter().chain(&cells).filter_map(|cell| level_at(picture, &map, *cell)).collect();
-        has_light_margin(picture, &map, ([-beyond, right], [-beyond, bottom]), &levels)
-    })
-}
-
-pub(super) fn level_at(picture: &Gray, map: &Matrix3<f64>, cell: Point2) -> Option<f64> {
-    let place = map_point(map, cell);
-    picture.holds_with_margin(place, 1.0).then(|| picture.interpolated_level(place))
-}
-
-/// Whether the sides of a rectangle (from left to right, from top to bottom) are light, where `levels` are those of dark and light parts of
-/// the board; what lies out of the picture is not.
-pub(super) fn has_light_margin(
-    picture: &Gray,
-    map: &Matrix3<f64>,
-    ([left, right], [top, bottom]): (Point2, Point2),
-    levels: &[f64],
-) -> bool {
-    let (dark, light) = levels.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(d, l), v| (d.min(*v), l.max(*v)));
-    let is_light = |cell: Point2| level_at(picture, map, cell).is_some_and(|v| v - dark > MARGIN_LEVEL * (light - dark));
-    let between = |a: f64, b: f64, k: usize| a + (b - a) * (k as f64 + 0.5) / MARGIN_PLACES as f64;
-    let sides: [&dyn Fn(usize) -> Point2; 4] = [
-        &|k| [between(left, right, k), top],
-        &|k| [between(left, right, k), bottom],
-        &|k| [left, between(top, bottom, k)],
-        &|k| [right, between(top, bottom, k)],
-    ];
-    let light_places = |side: &dyn Fn(usize) -> Point2| (0..MARGIN_PLACES).filter(|k| is_light(side(*k))).count();
-    sides.into_iter().all(|side| light_places(side) as f64 >= MARGIN * MARGIN_PLACES as f64)
 }
 
 fn from_upper_left(mut points: Vec<Point2>) -> Vec<Point2> {
@@ -157,7 +115,8 @@ fn square_levels(picture: &Gray, [a, b, c, d]: [Point2; 4]) -> [f64; 9] {
 }
 
 fn any_dots(picture: &Gray) -> Option<AnyGrid> {
-    dots::disc_centres(picture).find_map(|places| square_dots(picture, &places).or_else(|| shifted_dots(picture, &places)))
+    dots::rough_centres(picture)
+        .find_map(|places| square_dots(picture, &places).or_else(|| shifted_dots(picture, &places)))
 }
 
 fn square_dots(picture: &Gray, places: &[Point2]) -> Option<AnyGrid> {
@@ -187,9 +146,9 @@ fn is_ground_light(picture: &Gray, pairs: &[[Point2; 2]]) -> bool {
     // the lightest place beside the line of two dots, a quarter turn away from it
     let beside = |[a, b]: &[Point2; 2]| {
         let (middle, half) = ([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], [0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])]);
-        [1.0, -1.0].map(|sign| [middle[0] - sign * half[1], middle[1] + sign * half[0]]).map(|place| {
-            if picture.holds_with_margin(place, 1.0) { picture.interpolated_level(place) } else { 0.0 }
-        })
+        [1.0, -1.0]
+            .map(|sign| [middle[0] - sign * half[1], middle[1] + sign * half[0]])
+            .map(|place| if picture.holds_with_margin(place, 1.0) { picture.interpolated_level(place) } else { 0.0 })
     };
     let light = median(pairs.iter().map(|pair| beside(pair).into_iter().fold(0.0, f64::max)).collect());
     between - dark > LIGHT_GROUND * (light.max(between) - dark)
@@ -198,9 +157,9 @@ fn is_ground_light(picture: &Gray, pairs: &[[Point2; 2]]) -> bool {
 /// Dots in shifted rows, which stand on the diagonals of a square grid.
 fn shifted_dots(picture: &Gray, places: &[Point2]) -> Option<AnyGrid> {
     let outline = lattice::largest_outline(places);
-    let turns: [fn(i32, i32) -> (i32, i32); 4] = [|x, y| (x, y), |x, y| (-y, x), |x, y| (-x, -y), |x, y| (y, -x)];
+    let turns: [fn(Place) -> Place; 4] = [|(x, y)| (x, y), |(x, y)| (-y, x), |(x, y)| (-x, -y), |(x, y)| (y, -x)];
     let (columns, rows, points) = turns.iter().find_map(|turn| {
-        let cells = outline.iter().map(|((u, v), place)| (turn(u - v, u + v), *place));
+        let cells = outline.iter().map(|((u, v), place)| (turn((u - v, u + v)), *place));
         shifted_rows(cells.collect())
     })?;
     let pairs: Vec<[Point2; 2]> = (0..(rows - 1) * columns).map(|k| [points[k], points[k + columns]]).collect();
@@ -217,13 +176,13 @@ fn shifted_dots(picture: &Gray, places: &[Point2]) -> Option<AnyGrid> {
 
 /// Dots of a row, rows and dots in their order, where the cells (half pitches, rows) are exactly rows of equal length, every second one
 /// shifted by one.
-fn shifted_rows(mut cells: Vec<((i32, i32), Point2)>) -> Option<(usize, usize, Vec<Point2>)> {
-    let least = |axis: fn(&(i32, i32)) -> i32| cells.iter().map(|(cell, _)| axis(cell)).min();
+fn shifted_rows(mut cells: Vec<(Place, Point2)>) -> Option<(usize, usize, Vec<Point2>)> {
+    let least = |axis: fn(&Place) -> i32| cells.iter().map(|(cell, _)| axis(cell)).min();
     let (left, top) = (least(|cell| cell.0)?, least(|cell| cell.1)?);
     cells.sort_by_key(|((x, y), _)| (*y, *x));
     let rows = (cells[cells.len() - 1].0.1 - top + 1) as usize;
     let columns = cells.len() / rows;
-    let is_in_place = |(k, ((x, y), _)): (usize, &((i32, i32), Point2))| {
+    let is_in_place = |(k, ((x, y), _)): (usize, &(Place, Point2))| {
         let (i, j) = (k % columns, k / columns);
         (x - left, y - top) == ((2 * i + j % 2) as i32, j as i32)
     };

@@ -10,6 +10,7 @@ pub mod charuco;
 mod dark;
 pub mod dots;
 mod lattice;
+mod margin;
 pub mod reduced;
 mod saddle;
 

@@ -57,18 +57,23 @@ impl Writer {
             GridKind::Checkerboard => format!("{} × {} inner corners", columns - 1, rows - 1),
             _ => format!("{columns} × {rows} {cells}"),
         };
-        let seen = format!("{seen} in {count} of {searched} pictures, {} of them with light ground all around", board.whole);
+        let seen =
+            format!("{seen} in {count} of {searched} pictures, {} of them with light ground all around", board.whole);
         self.line("kind", Guess::new(confidence, "camera.board.kind", format!("{word:?}"), &seen));
         self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &seen));
         self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &seen));
         if !has_one_order {
-            let evidence = format!("{columns} × {rows} {cells} look the same from two sides, and are not read: film another board");
+            let evidence = format!(
+                "{columns} × {rows} {cells} look the same from two sides, and are not read: film another board"
+            );
             self.guesses.push(Guess::question("camera.board", evidence));
         }
         self.square(match kind {
             GridKind::Checkerboard => "the side of a square, measured on the print",
             GridKind::Dots => "the distance of the middles of two dots, measured on the print",
-            GridKind::AsymmetricDots => "the distance of two rows, half that of two dots of a row, measured on the print",
+            GridKind::AsymmetricDots => {
+                "the distance of two rows, half that of two dots of a row, measured on the print"
+            }
         });
     }
 
@@ -77,20 +82,28 @@ impl Writer {
         let AnyCharuco { columns, rows, .. } = *charuco;
         let is_plausible = charuco.first == 0 && (rows % 2 == 0 || !charuco.is_legacy);
         let confidence = sureness(board.whole >= 5 && is_plausible && count * 2 > searched);
-        let seen = format!("the numbers of the markers in {count} of {searched} pictures, {} of them with light ground all around", charuco.whole);
+        let seen = format!(
+            "the numbers of the markers in {count} of {searched} pictures, {} of them with light ground all around",
+            charuco.whole
+        );
         self.line("kind", Guess::new(sureness(count >= 5 && is_plausible), "camera.board.kind", "\"charuco\"", &seen));
         self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &seen));
         self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &seen));
         let print = if charuco.is_legacy { "white" } else { "black" };
-        let print = Guess::new(confidence, "camera.board.print", format!("upper left square {print}"), "both prints are read");
+        let print =
+            Guess::new(confidence, "camera.board.print", format!("upper left square {print}"), "both prints are read");
         self.put(format_args!("# {}  # {}\n", print.value.as_deref().unwrap_or_default(), print.remark()));
         self.guesses.push(print);
         self.dictionary(charuco);
         self.square("the side of a square, measured on the print");
-        let marker = format!("m, 0.0005 to 0.2; the side of a marker: {:.2} of that of a square, by the pictures", charuco.marker_share);
+        let marker = format!(
+            "m, 0.0005 to 0.2; the side of a marker: {:.2} of that of a square, by the pictures",
+            charuco.marker_share
+        );
         self.question("camera.board.", "marker", "nan", &marker);
         if !is_plausible {
-            let evidence = format!("its first marker has number {}: boards count from 0 in their upper left", charuco.first);
+            let evidence =
+                format!("its first marker has number {}: boards count from 0 in their upper left", charuco.first);
             self.guesses.push(Guess::question("camera.board", evidence));
         }
     }
@@ -98,7 +111,9 @@ impl Writer {
     fn dictionary(&mut self, charuco: &AnyCharuco) {
         let dictionary = charuco.dictionary;
         let (confidence, evidence) = match dictionary.has_siblings() {
-            true => (Confidence::Likely, "the smallest with its markers; larger ones of as many bits begin with the same"),
+            true => {
+                (Confidence::Likely, "the smallest with its markers; larger ones of as many bits begin with the same")
+            }
             false => (sureness(charuco.whole >= 5), "the only one with its markers"),
         };
         let name = format!("{:?}", dictionary.to_string());
@@ -108,7 +123,8 @@ impl Writer {
     /// Markers that stand on no ChArUco board.
     fn markers_alone(&mut self, dictionary: &str) {
         let table = "camera.board.";
-        let action = format!("squares, 3 to 100; markers of {dictionary} are seen, but not where a ChArUco board has them");
+        let action =
+            format!("squares, 3 to 100; markers of {dictionary} are seen, but not where a ChArUco board has them");
         self.question(table, "columns", "nan", &action);
         self.question(table, "rows", "nan", &action);
         self.square("the side of a square, measured on the print");
@@ -133,7 +149,12 @@ impl Writer {
                 "s, 0 to 3600; when the board lies on the plane",
             ),
         }
-        self.question("camera.plane.", "origin", "[nan, nan]", "m, -1 to 1; x and y of its inner corner (0, 0), of dots the first");
+        self.question(
+            "camera.plane.",
+            "origin",
+            "[nan, nan]",
+            "m, -1 to 1; x and y of its inner corner (0, 0), of dots the first",
+        );
         self.text.push_str("along = [1.0, 0.0]  # x and y of the direction along which columns count up\n");
         self.guesses.push(Guess::question("camera.plane.along", "[1.0, 0.0] is written: along x of the CAD frame"));
         self.question("camera.plane.", "height", "nan", "m, -1 to 1; z of the board's upper side");

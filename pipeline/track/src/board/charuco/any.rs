@@ -15,7 +15,7 @@ use super::marker::read_bits;
 use super::quads::{Quad, distance, find_quads};
 use super::{WINDOWS, window_half_side};
 use crate::Gray;
-use crate::board::any::{has_light_margin, level_at};
+use crate::board::margin::{has_light_margin, level_at};
 use crate::board::reduced::Reduced;
 use crate::calibrate::homography::{homography, map_point};
 
@@ -101,16 +101,15 @@ pub fn any_markers(picture: &Gray) -> Option<MarkerSet> {
             let enlarge = |place: Point2| reduced.as_ref().map_or(place, |reduced| reduced.to_picture(place));
             Some((number, std::array::from_fn(|k| enlarge(quad[(k + first) % 4]))))
         };
-        MarkerSet {
-            dictionary: *dictionary,
-            markers: readings.filter_map(marker).collect(),
-            picture: small.clone(),
-        }
+        MarkerSet { dictionary: *dictionary, markers: readings.filter_map(marker).collect(), picture: small.clone() }
     };
     // the first of equals
     let best = FAMILIES.iter().map(read).reduce(|a, b| if b.markers.len() > a.markers.len() { b } else { a });
     best.filter(|set| set.markers.len() >= LEAST_MARKERS)
 }
+
+/// Columns, and whether the print is the legacy one.
+type Candidate = (usize, bool);
 
 /// A picture's markers on a board of so many columns.
 struct Fit {
@@ -124,11 +123,9 @@ struct Fit {
 pub fn any_charuco(sets: &[&MarkerSet]) -> Option<AnyCharuco> {
     let family = sets.first()?.dictionary;
     let candidates = COLUMNS.flat_map(|columns| [(columns, false), (columns, true)]);
-    let mut fits: Vec<((usize, bool), Vec<Option<Fit>>)> = candidates
-        .map(|candidate| (candidate, sets.iter().map(|set| fit_columns(set, candidate)).collect()))
-        .collect();
-    let explained =
-        |fits: &[Option<Fit>]| fits.iter().flatten().map(|fit| fit.numbers.len()).sum::<usize>();
+    let mut fits: Vec<(Candidate, Vec<Option<Fit>>)> =
+        candidates.map(|candidate| (candidate, sets.iter().map(|set| fit_columns(set, candidate)).collect())).collect();
+    let explained = |fits: &[Option<Fit>]| fits.iter().flatten().map(|fit| fit.numbers.len()).sum::<usize>();
     // stable: the print of today before the legacy one
     fits.sort_by_key(|(_, fits)| std::cmp::Reverse(explained(fits)));
     let second = explained(&fits.get(1)?.1);
@@ -161,7 +158,7 @@ fn white_square(number: usize, columns: usize, is_legacy: bool) -> [usize; 2] {
 }
 
 /// The markers that stand where a board of so many columns has them, without a few that were misread.
-fn fit_columns(set: &MarkerSet, (columns, is_legacy): (usize, bool)) -> Option<Fit> {
+fn fit_columns(set: &MarkerSet, (columns, is_legacy): Candidate) -> Option<Fit> {
     let middle = |number: &usize| white_square(*number, columns, is_legacy).map(|place| place as f64 + 0.5);
     let mut members: Vec<(usize, Quad)> = set.markers.iter().map(|(number, quad)| (*number, *quad)).collect();
     for _ in 0..=MISREAD {
@@ -173,7 +170,8 @@ fn fit_columns(set: &MarkerSet, (columns, is_legacy): (usize, bool)) -> Option<F
         let map = homography(&from, &onto)?;
         let misses: Vec<f64> = members.iter().map(|(number, quad)| miss(&map, middle(number), quad)).collect();
         if misses.iter().all(|miss| *miss < ASTRAY) {
-            let share = |(number, quad): &(usize, Quad)| distance(quad[0], quad[1]) / column_step(&map, middle(number)).1;
+            let share =
+                |(number, quad): &(usize, Quad)| distance(quad[0], quad[1]) / column_step(&map, middle(number)).1;
             let shares = members.iter().map(share).collect();
             return Some(Fit { map, numbers: members.into_iter().map(|(number, _)| number).collect(), shares });
         }
@@ -187,8 +185,7 @@ fn fit_columns(set: &MarkerSet, (columns, is_legacy): (usize, bool)) -> Option<F
 fn quad_middle([a, b, c, d]: &Quad) -> Point2 {
     let (along, across) = ([c[0] - a[0], c[1] - a[1]], [d[0] - b[0], d[1] - b[1]]);
     let between = [b[0] - a[0], b[1] - a[1]];
-    let share =
-        (between[0] * across[1] - between[1] * across[0]) / (along[0] * across[1] - along[1] * across[0]);
+    let share = (between[0] * across[1] - between[1] * across[0]) / (along[0] * across[1] - along[1] * across[0]);
     [a[0] + share * along[0], a[1] + share * along[1]]
 }
 
