@@ -85,7 +85,7 @@ static FAMILIES: LazyLock<Vec<(Dictionary, Codes)>> = LazyLock::new(|| {
 
 /// The markers of a picture of which nothing is known, by the family that reads most of its dark quadrilaterals without a wrong bit; none of
 /// less than six.
-pub fn any_markers(picture: &Gray) -> Option<MarkerSet> {
+pub(crate) fn any_markers(picture: &Gray) -> Option<MarkerSet> {
     let reduced = Reduced::of_large_picture(picture);
     let searched = reduced.as_ref().map_or(picture, |reduced| &reduced.picture);
     let quads: Vec<Quad> =
