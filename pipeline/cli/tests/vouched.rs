@@ -3,51 +3,12 @@
 #![allow(clippy::unwrap_used)]
 
 mod specimen;
+mod vouch;
 
-use std::process::{Command, Output};
+use specimen::{LOG, card, changed, log};
+use vouch::{Input, Verdict, check};
 
-use specimen::{LOG, Project, card, changed, log};
-
-/// What becomes of an input.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Verdict {
-    Read,
-    Refused,
-}
-
-/// A file of the specimen in another form.
-struct Input {
-    name: &'static str,
-    file: &'static str,
-    bytes: Vec<u8>,
-    card: String,
-    verdict: Verdict,
-}
-
-fn study(project: &Project, words: &[&str]) -> (Output, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_study")).args(words).arg("--root").arg(&project.0).output().unwrap();
-    let text = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    (output, text)
-}
-
-/// Puts each input into the specimen and asks doctor and run for it.
-fn check(name: &str, inputs: Vec<Input>) {
-    let project = Project::new(name);
-    for Input { name, file, bytes, card, verdict } in inputs {
-        project.write("specimen.toml", &card);
-        std::fs::write(project.path(file), bytes).unwrap();
-        let (doctor, said) = study(&project, &["doctor", "fish"]);
-        let is_well = doctor.status.code() == Some(0) && said.contains(" 0 to fix");
-        let (run, told) = study(&project, &["run", "clock", "--specimen", "fish"]);
-        assert_eq!(is_well, verdict == Verdict::Read, "{name}: {said}");
-        assert_eq!(run.status.code() == Some(0), is_well, "{name}: doctor {said}\nrun {told}");
-        if verdict == Verdict::Refused {
-            assert!(told.contains("why:") && told.contains("do:"), "{name}: {told}");
-        }
-    }
-}
-
-/// The card with a lens of its own: a board at rest does not give one.
+/// The card with a lens of its own.
 fn with_lens(file: &str) -> String {
     changed(&card(), "frame_every =", &format!("coefficients = \"{file}\"\nframe_every ="))
 }
@@ -136,7 +97,7 @@ fn log_inputs() -> Vec<Input> {
 fn logs_of_every_form_that_the_doctor_vouches_for_are_read_by_run() {
     let mut inputs = log_inputs();
     inputs.insert(0, lens_input("the lens of the others", PLAIN, plain_lens(), Verdict::Read));
-    check("vouched-logs", inputs);
+    check("vouched-logs", "clock", inputs);
 }
 
 fn lens_input(name: &'static str, file: &'static str, text: String, verdict: Verdict) -> Input {
@@ -157,6 +118,7 @@ fn lens_files_of_every_form_that_the_doctor_vouches_for_are_read_by_run() {
     let larger = plain_lens().replace("320", "1280").replace("240", "960");
     check(
         "vouched-lenses",
+        "clock",
         vec![
             lens_input("OpenCV's YAML", "camera/lens.yml", plain_lens(), Verdict::Read),
             lens_input(
@@ -198,6 +160,7 @@ fn imported_tracks_that_the_doctor_vouches_for_are_read_by_run() {
     );
     check(
         "vouched-tracks",
+        "clock",
         vec![
             lens_input("the lens of the others", PLAIN, plain_lens(), Verdict::Read),
             tracked("one animal", single.to_owned() + &rows(true_places), Verdict::Read),

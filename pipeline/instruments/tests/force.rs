@@ -355,6 +355,9 @@ fn seconds_outside_the_recording_are_refused_with_those_of_its_log() {
     bench.write("page.toml", &PAGE.replace("pressure = \"flap_pressure.csv\"", "seconds = [50.0, 60.0]"));
     let refused = bench.refusal();
     assert!(refused.contains("page.toml: recording `2hz`") && refused.contains("from 0.000 to 13.98"), "{refused}");
+    // a log that was cut would give the mean of fewer cycles than the page names
+    bench.write("page.toml", &PAGE.replace("pressure = \"flap_pressure.csv\"", "seconds = [2.0, 15.0]"));
+    assert!(bench.refusal().contains("has no force for a part of its run"));
 }
 
 #[test]

@@ -15,8 +15,9 @@ use optimize::network::Network;
 use sysid::free_vibration::Page;
 use sysid::{IdentifiedMaterials, inflation_test};
 use track::Gray;
+use track::board::any::any_board;
 use track::board::charuco::Dictionary;
-use track::board::{Target as Board, TargetKind, any_checkerboard};
+use track::board::{Target as Board, TargetKind};
 use track::lens::opencv;
 use track::video::Film;
 use twin::Twin;
@@ -87,7 +88,7 @@ fn board(bytes: &[u8]) {
     let width = 60 + usize::from(*first);
     let height = levels.len() / width;
     let picture = Gray { width, height, pixels: levels[..width * height].to_vec() };
-    drop(any_checkerboard(&picture));
+    drop(any_board(&picture));
     let dictionary = Dictionary::opencv(4, 50);
     let kinds = [
         TargetKind::Checkerboard,

@@ -45,6 +45,9 @@ fn trials(card: &toml::Table) -> Vec<toml::Table> {
     trials.into_iter().map(|trial| trial.as_table().unwrap().clone()).collect()
 }
 
+/// Largest error of a certain lag, s: a frame and a sample of a log.
+const LAG: f64 = 0.03;
+
 /// What the card says otherwise than the recording.
 fn deviations(proposal: &Proposal, scrambled: &Scrambled) -> Vec<String> {
     let card = card(proposal);
@@ -65,6 +68,11 @@ fn deviations(proposal: &Proposal, scrambled: &Scrambled) -> Vec<String> {
     for truth in &scrambled.trials {
         let of_film = trials.iter().find(|trial| trial["video"].as_str() == Some(&truth.film));
         compare(&truth.film, of_film.map_or_else(|| "no trial".into(), said), truth.said());
+        let about =
+            of_film.map_or_else(String::new, |trial| format!("trial.{}.lag.pressure", trial["id"].as_str().unwrap()));
+        let lag = proposal.guesses.iter().find(|guess| guess.about == about).and_then(|guess| guess.value.clone());
+        let is_near = |lag: String| (lag.parse::<f64>().unwrap() - truth.lags[0]).abs() < LAG;
+        compare(&format!("lag of {}", truth.film), lag.is_some_and(is_near).to_string(), "true".into());
     }
     for (quantity, of, unit) in scrambled.units() {
         compare(&format!("unit of {quantity}"), unit_on_card(&card, &quantity, of), unit);
@@ -112,7 +120,18 @@ fn is_wrong_certainty(guess: &Guess, scrambled: &Scrambled, proposal: &Proposal)
     let parts: Vec<&str> = guess.about.split('.').collect();
     match parts[..] {
         ["camera", "calibration"] => unquoted != scrambled.calibration,
-        ["camera", "board", key] => value != if key == "columns" { "9" } else { "6" },
+        ["camera", "board", key] => {
+            unquoted
+                != [("columns", "9"), ("rows", "6"), ("kind", "checkerboard")]
+                    .iter()
+                    .find(|(k, _)| *k == key)
+                    .unwrap()
+                    .1
+        }
+        ["trial", id, "lag", of] => {
+            let lag: f64 = value.parse().unwrap();
+            (lag - scrambled.lag_of(&film_of(proposal, id), of)).abs() > LAG
+        }
         ["trial", id, key] => scrambled.file_of(&film_of(proposal, id), key) != unquoted,
         ["log", "columns", of, quantity, "unit"] => {
             !scrambled.units().iter().any(|(q, o, unit)| (&q[..], *o, &unit[..]) == (quantity, of, unquoted))
@@ -142,6 +161,6 @@ fn every_scheme_occurs() {
     assert_eq!(kinds(|scheme| scheme.separator.to_string()), 3);
     assert_eq!(kinds(|scheme| scheme.encoding.to_string()), 4);
     assert_eq!(kinds(|scheme| scheme.pressure.0.to_owned()), 4);
-    let files = TrialFiles { film: "a".into(), pressure: "b".into(), force: None, done: String::new() };
+    let files = TrialFiles { film: "a".into(), pressure: "b".into(), force: None, done: String::new(), lags: [0.0; 2] };
     assert_eq!(files.said(), "b none ");
 }

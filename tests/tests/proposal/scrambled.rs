@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use lab::card::{Experiment, Trial};
+use lab::truth::Truth;
 
 use super::recorded::Recorded;
 
@@ -157,6 +158,8 @@ pub struct TrialFiles {
     pub pressure: String,
     pub force: Option<String>,
     pub done: String,
+    /// How far the clocks of the pressure log and of the force log are ahead of the film's, s.
+    pub lags: [f64; 2],
 }
 
 impl TrialFiles {
@@ -186,6 +189,7 @@ impl Scrambled {
         let camera = specimen.card.camera.as_ref().unwrap();
         let [calibration, ..] = scheme.names(0, "checker board");
         copy(&camera.calibration, &calibration);
+        let truth = lab::truth::read(&specimen.folder.join(lab::folder::TRUTH)).unwrap();
         let mut trials = Vec::new();
         for (k, trial) in specimen.card.trial.iter().enumerate() {
             let [film, pressure, force] = scheme.names(k + 1, &trial.id);
@@ -195,7 +199,8 @@ impl Scrambled {
                 log(from, &force);
                 force
             });
-            trials.push(TrialFiles { film, pressure, force, done: done(trial, &scheme) });
+            let lags = true_lags(&truth, &trial.id);
+            trials.push(TrialFiles { film, pressure, force, done: done(trial, &scheme), lags });
         }
         copy("cad/body.stl", ["cad/body.stl", "Part1.STL"][(seed % 2) as usize]);
         copy("cad/spine.stl", ["cad/spine.stl", "Part2.STL"][(seed % 2) as usize]);
@@ -221,6 +226,12 @@ impl Scrambled {
             units.push(("time_s".to_owned(), "force", unit(self.scheme.time)));
         }
         units
+    }
+
+    /// How far the clock of a film's log is ahead, s.
+    pub fn lag_of(&self, film: &str, log: &str) -> f64 {
+        let trial = self.trials.iter().find(|trial| trial.film == film).unwrap();
+        trial.lags[usize::from(log == "force")]
     }
 
     /// The file of a film's trial under a key of the card.
@@ -262,4 +273,12 @@ fn done(trial: &Trial, scheme: &Scheme) -> String {
             format!("{channels} flaps {} kPa {} Hz {cycles}", (amplitude / 1e3).round(), frequency.round())
         }
     }
+}
+
+/// How far the clocks of a trial's logs are ahead of the film's when the lamp lights, s; of a log that there is not, NaN.
+fn true_lags(truth: &Truth, id: &str) -> [f64; 2] {
+    let trial = truth.trial.iter().find(|trial| trial.id == id).unwrap();
+    let lag = |offset: f64, scale: f64| offset + (scale - 1.0) * trial.led_on;
+    let force = truth.force.iter().find(|force| force.id == id);
+    [lag(trial.clock_offset, trial.clock_scale), force.map_or(f64::NAN, |log| lag(log.clock_offset, log.clock_scale))]
 }

@@ -39,48 +39,48 @@ pub(crate) fn board_findings(project: &Project, specimen: &Specimen) -> (Option<
     }
     let raw = Camera::raw(specimen);
     let context = inspection_context(project.folders, &raw);
-    let mut findings = match &camera.coefficients {
-        Some(_) => lens_findings(project, specimen, camera, &context),
-        None => Vec::new(),
-    };
     match views_on_plane(camera, &context) {
-        Err(finding) => {
-            findings.push(finding);
-            (None, findings)
-        }
+        Err(finding) => (None, vec![finding]),
         Ok((size, views)) => {
+            let mut findings = lens_note(camera, &context).into_iter().collect::<Vec<_>>();
             findings.extend(plane_findings(camera, &context, &views));
+            // what is wrong on the plane is wrong in the stage, too
+            if findings.iter().all(|finding| !finding.must_fix()) {
+                findings.extend(calibration_finding(project, specimen, &context));
+            }
             (Some(RoughCamera { size, pose: approximate_pose(camera, size, &views[0].view) }), findings)
         }
     }
 }
 
-/// What the file of the lens gives, and what the stage that uses it refuses.
-fn lens_findings(
-    project: &Project,
-    specimen: &Specimen,
-    camera: &card::Camera,
-    context: &dyn StageContext,
-) -> Vec<Finding> {
-    // a missing file is reported with the card
-    let Ok(bytes) = context.bytes("lens") else { return Vec::new() };
-    let (file, text) = (context.display_path("lens"), String::from_utf8_lossy(&bytes).into_owned());
-    let fitted = opencv::read(&text, camera.lens == LensKind::Fisheye).ok().and_then(|lens| lens.fitted_px);
-    let note = |deviation: f64| {
-        let reason = format!(
-            "a lens of five numbers stands for it, {deviation:.3} px off over the picture, as a root mean square"
-        );
-        Finding::note(format!("{file} has more than five coefficients"), reason, "leave it")
-    };
-    let section = project.settings.section("camera");
-    let run = section.and_then(|section| Camera::run(&Part::part_of(specimen), &section, (), context));
-    let of_run = match run {
-        Ok(record) => {
-            record.contradiction.map(|focal| Finding::note(format!("{file}: {focal}"), focal.reason(), focal.action()))
-        }
+/// What the file of a known lens gives, where that is not the lens itself.
+fn lens_note(camera: &card::Camera, context: &dyn StageContext) -> Option<Finding> {
+    camera.coefficients.as_ref()?;
+    // a missing file is reported with the card, one that is no lens by the stage
+    let text = String::from_utf8_lossy(&context.bytes("lens").ok()?).into_owned();
+    let deviation = opencv::read(&text, camera.lens == LensKind::Fisheye).ok()?.fitted_px?;
+    let reason =
+        format!("a lens of five numbers stands for it, {deviation:.3} px off over the picture, as a root mean square");
+    let file = context.display_path("lens");
+    Some(Finding::note(format!("{file} has more than five coefficients"), reason, "leave it"))
+}
+
+/// What the stage that calibrates the camera refuses, or notes of a known lens; a lens file that is missing is reported with the card.
+fn calibration_finding(project: &Project, specimen: &Specimen, context: &dyn StageContext) -> Option<Finding> {
+    let lens = specimen.card.camera.as_ref().and_then(|camera| camera.coefficients.as_ref());
+    if lens.is_some_and(|file| !project.file_path(&specimen.card.name, file).exists()) {
+        return None;
+    }
+    let settings = project.settings.section("camera");
+    match settings.and_then(|settings| Camera::run(&Part::part_of(specimen), &settings, (), context)) {
         Err(refusal) => Some(Finding::from(refusal)),
-    };
-    fitted.map(note).into_iter().chain(of_run).collect()
+        Ok(record) => {
+            // of a known lens alone
+            let focal = record.contradiction?;
+            let what = format!("{}: {focal}", context.display_path("lens"));
+            Some(Finding::note(what, focal.reason(), focal.action()))
+        }
+    }
 }
 
 /// The pose by an ordinary lens, of a camera that looks squarely: its focal length and the distance of the camera belong together, so that a place on the plane hardly depends on it.

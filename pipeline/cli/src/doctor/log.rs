@@ -11,8 +11,11 @@ use signal::edge::{self, Window};
 use super::finding::Finding;
 use super::{Project, sense, stamps};
 use records::subject::{Specimen, Trial};
+use records::{CorrectedForce, Motion};
 use study::stages::load_cell::LoadCell;
 use study::stages::tank::Tank;
+use study::stages::wave::Wave;
+use workflow::needs::Maybe;
 use workflow::record::Record;
 use workflow::runner::inspection_context;
 use workflow::stage::Stage;
@@ -47,6 +50,21 @@ pub(crate) fn force_findings(project: &Project, subject: &Trial) -> Vec<Finding>
         findings.extend(subject.trial.video.as_ref().and_then(|_| lamp_finding(&log_path, log, subject)));
     }
     findings
+}
+
+/// What the stage that corrects a force refuses, on the clock of the trial's `motion`; the tank's waves are left in.
+///
+/// # Errors
+/// A diagnostic when the settings of the stage are invalid.
+pub(crate) fn corrected_force_finding(project: &Project, subject: &Trial, motion: Motion) -> Result<Option<Finding>> {
+    if !CorrectedForce::is_made_for(subject) {
+        return Ok(None);
+    }
+    let settings = project.settings.section(CorrectedForce::STAGE)?;
+    let raw = Wave::raw(subject);
+    let context = inspection_context(project.folders, &raw);
+    let corrected = Wave::run(&Part::part_of(subject), &settings, (Maybe(None), motion), &context);
+    Ok(corrected.err().map(Finding::from))
 }
 
 /// The logs of the load cell's fixture: readable, and with all taps and the water at rest, as the stages find them.

@@ -123,18 +123,18 @@ impl Project<'_> {
         let clocks = self.settings.section::<stages::clock::Settings>("clock")?;
         let (log, log_findings) = log::pressure_log(self, subject);
         let (decoded, film_findings) = film::film_findings(self, subject, &track, camera);
-        let clock_findings = match (&log, &decoded) {
+        let (filmed_motion, clock_findings) = match (&log, &decoded) {
             (Some(_), Some(decoded)) => clock::clock_findings(self, subject, decoded, &clocks),
-            _ => Vec::new(),
+            _ => (None, Vec::new()),
         };
-        let space_findings = space::space_findings(self, subject, log.is_some())?;
-        Ok(all_findings([
-            log_findings,
-            log::force_findings(self, subject),
-            film_findings,
-            space_findings,
-            clock_findings,
-        ]))
+        let (space_motion, space_findings) = space::space_findings(self, subject, (log.is_some(), decoded.as_ref()))?;
+        let force_findings = log::force_findings(self, subject);
+        let mut findings = all_findings([log_findings, force_findings, film_findings, space_findings, clock_findings]);
+        // what is wrong with a log has been reported with its line
+        if let (Some(motion), true) = (filmed_motion.or(space_motion), findings.iter().all(|f| !f.must_fix())) {
+            findings.extend(log::corrected_force_finding(self, subject, motion)?);
+        }
+        Ok(findings)
     }
 
     /// The path of a specimen's file relative to the project's folder.

@@ -185,13 +185,13 @@ fn is_switched_once(values: &[f64]) -> bool {
     high > low && values[0] < middle && (1..=2).contains(&switches) && between_levels <= 4
 }
 
-/// Seconds from the lamp's on to its off in a log, where it goes off.
-pub(super) fn lit_seconds(time: &[f64], lamp: &[f64]) -> Option<f64> {
+/// When the lamp of a log lights and goes out, by its clock; none where it does not go out.
+pub(super) fn lit_interval(time: &[f64], lamp: &[f64]) -> Option<[f64; 2]> {
     let middle = middle_value(lamp);
     let switches: Vec<usize> = (1..lamp.len()).filter(|&k| (lamp[k] > middle) != (lamp[k - 1] > middle)).collect();
     let [on, off] = switches[..] else { return None };
-    // length: a time for each sample of the lamp
-    Some(time[off] - time[on])
+    // length: a time for each sample of the lamp; between the first that shows the change and the one before it
+    Some([on, off].map(|k| 0.5 * (time[k - 1] + time[k])))
 }
 
 /// Names the channels by what is left of the titles of their columns, or by number; each command has its measured pressure.
@@ -296,7 +296,7 @@ mod tests {
             let columns = columns(&table);
             let roles = [Role::Lamp, Role::Pressure, Role::Command, Role::Time, Role::Command, Role::Pressure];
             assert_eq!(columns.iter().map(|column| column.role).collect::<Vec<_>>(), roles, "{titles}");
-            assert_eq!(lit_seconds(&columns[3].values, &columns[0].values), Some(400.0));
+            assert_eq!(lit_interval(&columns[3].values, &columns[0].values), Some([47.5, 447.5]));
             let channels: Vec<&str> = [2, 5, 4, 1].map(|k| columns[k].channel.as_deref().unwrap()).to_vec();
             let expected = if titles.is_empty() {
                 ["channel_1", "channel_1", "channel_2", "channel_2"]

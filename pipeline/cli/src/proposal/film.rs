@@ -1,8 +1,11 @@
 //! Films: size, rate and length, the board that they show, and the blocks in which a lamp is looked for.
 
 use diagnostics::{Diagnostic, Result};
+use si::Point2;
 use track::Gray;
-use track::board::{AnyCheckerboard, any_checkerboard};
+use track::board::any::{AnyBoard, GridKind, any_board};
+use track::board::charuco::Dictionary;
+use track::board::charuco::any::{AnyCharuco, MarkerSet, any_charuco};
 use track::video::{Film, Info};
 
 use super::files::Recording;
@@ -17,13 +20,23 @@ pub(super) struct Footage {
     pub(super) board: Option<BoardSeen>,
 }
 
-/// The checkerboard of a film.
+/// What is printed on a board, and its size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Print {
+    /// Squares or dots along the longer and the shorter side; of asymmetric dots, dots of a row and rows.
+    Grid(GridKind, [usize; 2]),
+    /// Markers of a dictionary; none where they stand on no ChArUco board.
+    Markers(Dictionary, Option<AnyCharuco>),
+}
+
+/// The board of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BoardSeen {
-    /// Squares along the longer and the shorter side.
-    pub(super) size: (usize, usize),
-    /// Pictures with a board of that size, and pictures that were searched.
+    pub(super) print: Print,
+    /// Pictures with such a board, and pictures that were searched.
     pub(super) pictures: (usize, usize),
+    /// Of the former, those that show light ground all around it.
+    pub(super) whole: usize,
     /// The last interval in which it lies still, s.
     pub(super) still: Option<[f64; 2]>,
 }
@@ -48,7 +61,7 @@ pub(super) fn read_footage(recording: &Recording) -> Result<Footage> {
     let mut search = Search::default();
     for frame in film {
         let frame = frame.map_err(Diagnostic::from)?;
-        blocks.push(&frame.gray);
+        blocks.push(frame.time, &frame.gray);
         if frame.index.is_multiple_of(every) {
             search.take_picture(frame.time, &frame.gray);
         }
@@ -59,7 +72,14 @@ pub(super) fn read_footage(recording: &Recording) -> Result<Footage> {
 /// A board in one picture.
 struct Seen {
     time: f64,
-    board: AnyCheckerboard,
+    board: AnyBoard,
+}
+
+/// What boards of several pictures have in common.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Class {
+    Grid(GridKind, [usize; 2]),
+    Markers(Dictionary),
 }
 
 /// The search for a board in the pictures of a film.
@@ -81,37 +101,73 @@ impl Search {
             return;
         }
         self.pictures += 1;
-        self.seen.extend(any_checkerboard(gray).map(|board| Seen { time, board }));
+        self.seen.extend(any_board(gray).map(|board| Seen { time, board }));
     }
 
-    /// Whether two boards of one size stand apart; those in a row do, or it stands as part of the background.
+    /// Whether two boards of one class stand apart; those in a row do, or it stands as part of the background.
     fn is_carried(&self) -> bool {
         self.seen.windows(2).any(|pair| distance(&pair[0], &pair[1]).is_some_and(|distance| distance > CARRIED))
     }
 
     /// The board that most pictures show, where it is carried: what lies still throughout is part of the background.
     fn carried_board(&self) -> Option<BoardSeen> {
-        let count = |size: (usize, usize)| self.seen.iter().filter(|seen| seen.size() == size).count();
-        let size = self.seen.iter().map(Seen::size).max_by_key(|size| (count(*size), size.0 * size.1))?;
-        let views: Vec<&Seen> = self.seen.iter().filter(|seen| seen.size() == size).collect();
+        let count = |class: Class| self.seen.iter().filter(|seen| seen.class() == class).count();
+        let class = self.seen.iter().map(Seen::class).max_by_key(|class| (count(*class), class.points()))?;
+        let views: Vec<&Seen> = self.seen.iter().filter(|seen| seen.class() == class).collect();
         let last = views.last()?;
         let is_near = |seen: &&&Seen| distance(seen, last).is_some_and(|distance| distance < MOVED);
         let still_since = views.iter().rev().take_while(is_near).last()?.time;
         let still = (last.time > still_since).then_some([still_since, last.time]);
-        self.is_carried().then_some(BoardSeen { size, pictures: (views.len(), self.pictures), still })
+        let has_margin = |seen: &&&Seen| matches!(&seen.board, AnyBoard::Grid(grid) if grid.has_margin);
+        let mut whole = views.iter().filter(has_margin).count();
+        let print = match class {
+            Class::Grid(kind, size) => Print::Grid(kind, size),
+            Class::Markers(dictionary) => {
+                let sets: Vec<&MarkerSet> = views.iter().filter_map(|seen| seen.markers()).collect();
+                let charuco = any_charuco(&sets);
+                whole = charuco.map_or(0, |charuco| charuco.whole);
+                Print::Markers(dictionary, charuco)
+            }
+        };
+        self.is_carried().then_some(BoardSeen { print, pictures: (views.len(), self.pictures), whole, still })
+    }
+}
+
+impl Class {
+    fn points(self) -> usize {
+        match self {
+            Self::Grid(_, [columns, rows]) => columns * rows,
+            Self::Markers(_) => 0,
+        }
     }
 }
 
 impl Seen {
-    fn size(&self) -> (usize, usize) {
-        (self.board.columns, self.board.rows)
+    fn class(&self) -> Class {
+        match &self.board {
+            AnyBoard::Grid(grid) => Class::Grid(grid.kind, [grid.columns, grid.rows]),
+            AnyBoard::Markers(set) => Class::Markers(set.dictionary),
+        }
+    }
+
+    fn markers(&self) -> Option<&MarkerSet> {
+        match &self.board {
+            AnyBoard::Markers(set) => Some(set),
+            AnyBoard::Grid(_) => None,
+        }
     }
 }
 
-/// The largest distance of the same corners, px; none of boards of two sizes.
+/// The largest distance of the same points, px; none of boards of two classes, or without a common marker.
 fn distance(a: &Seen, b: &Seen) -> Option<f64> {
-    // length: boards of one size have as many corners
-    let pairs = a.board.corners.iter().zip(&b.board.corners);
-    let largest = pairs.map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).fold(0.0, f64::max);
-    (a.size() == b.size()).then_some(largest)
+    let apart = |p: &Point2, q: &Point2| (p[0] - q[0]).hypot(p[1] - q[1]);
+    let distances: Vec<f64> = match (&a.board, &b.board) {
+        // length: boards of one class have as many points
+        (AnyBoard::Grid(p), AnyBoard::Grid(q)) => p.points.iter().zip(&q.points).map(|(p, q)| apart(p, q)).collect(),
+        (AnyBoard::Markers(p), AnyBoard::Markers(q)) => {
+            p.markers.iter().filter_map(|(number, quad)| Some(apart(&quad[0], &q.markers.get(number)?[0]))).collect()
+        }
+        _ => return None,
+    };
+    (a.class() == b.class()).then(|| distances.into_iter().reduce(f64::max)).flatten()
 }

@@ -20,7 +20,9 @@ pub(super) struct Blocks {
     columns: usize,
     rows: usize,
     /// Frames × blocks.
-    frames: Vec<Vec<u8>>,
+    pub(super) frames: Vec<Vec<u8>>,
+    /// When each of these frames is, s.
+    pub(super) times: Vec<f64>,
     /// Frames of the film from one that is kept to the next.
     every: usize,
     count: usize,
@@ -44,8 +46,9 @@ impl Blocks {
     }
 
     /// Takes the next frame in.
-    pub(super) fn push(&mut self, picture: &Gray) {
+    pub(super) fn push(&mut self, time: f64, picture: &Gray) {
         if self.count.is_multiple_of(self.every) {
+            self.times.push(time);
             let block = |k: usize| self.mean(picture, k % self.columns, k / self.columns);
             self.frames.push((0..self.columns * self.rows).map(block).collect());
         }
@@ -68,28 +71,28 @@ impl Blocks {
         on_interval(&self.series(block)).map_or(0.0, |on| on.contrast * if on.until.is_some() { 1.0 } else { 0.5 })
     }
 
-    /// Frames of the film from the lamp's on to its off; the film's end where it ends before.
+    /// When the lamp lights and goes out; none where the film ends before.
     pub(super) fn lit(&self, lamp: &Lamp) -> Option<Lit> {
         let on = on_interval(&self.series(lamp.block))?;
-        let end = on.until.unwrap_or(self.frames.len());
-        Some(Lit {
-            from: on.from * self.every,
-            until: end * self.every,
-            is_whole: on.until.is_some(),
-            every: self.every,
-        })
+        // between the first frame that shows the change and the one before it
+        let switched = |frame: usize| Some(0.5 * (self.times.get(frame.checked_sub(1)?)? + self.times.get(frame)?));
+        Some(Lit { from: switched(on.from)?, until: switched(on.until?)?, step: self.step()? })
+    }
+
+    /// Mean time from one frame that is kept to the next, s.
+    pub(super) fn step(&self) -> Option<f64> {
+        let (first, last) = (self.times.first()?, self.times.last()?);
+        (last > first).then(|| (last - first) / (self.times.len() - 1) as f64)
     }
 }
 
-/// When the lamp of a film is on, in frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// When the lamp of a film is on, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lit {
-    pub(super) from: usize,
-    pub(super) until: usize,
-    /// Whether it goes out before the film ends.
-    pub(super) is_whole: bool,
-    /// To how many frames it is known.
-    pub(super) every: usize,
+    pub(super) from: f64,
+    pub(super) until: f64,
+    /// Time from one frame to the next.
+    pub(super) step: f64,
 }
 
 struct On {
@@ -160,6 +163,7 @@ fn connected_blocks(contrasts: &[f64], block: usize, columns: usize) -> Vec<usiz
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// Thirty frames of 320 × 200 px: a lamp of 9 px at (250, 40) from frame 5 to 20, a dark mark that comes and goes twice.
@@ -168,20 +172,23 @@ mod tests {
         for frame in 0..30 {
             let is_on = (5..20).contains(&frame);
             let aside = if frame / 5 % 2 == 1 { 40.0 } else { 0.0 };
-            blocks.push(&Gray::from_fn(320, 200, |x, y| {
-                let distance = |u: f64, v: f64| (x as f64 - u).hypot(y as f64 - v);
-                match (distance(250.0, 40.0) < 9.0, distance(100.0 + aside, 120.0) < 12.0) {
-                    (true, _) => {
-                        if is_on {
-                            230.0
-                        } else {
-                            30.0
+            blocks.push(
+                f64::from(frame) / 60.0,
+                &Gray::from_fn(320, 200, |x, y| {
+                    let distance = |u: f64, v: f64| (x as f64 - u).hypot(y as f64 - v);
+                    match (distance(250.0, 40.0) < 9.0, distance(100.0 + aside, 120.0) < 12.0) {
+                        (true, _) => {
+                            if is_on {
+                                230.0
+                            } else {
+                                30.0
+                            }
                         }
+                        (_, true) => 40.0,
+                        _ => 150.0,
                     }
-                    (_, true) => 40.0,
-                    _ => 150.0,
-                }
-            }));
+                }),
+            );
         }
         blocks
     }
@@ -192,13 +199,15 @@ mod tests {
         let lamp = lamp(&[&film]).unwrap();
         assert!((lamp.centre[0] - 250.0).hypot(lamp.centre[1] - 40.0) < 2.0, "{lamp:?}");
         assert!((4.0..10.0).contains(&lamp.radius), "{lamp:?}");
-        assert_eq!(film.lit(&lamp), Some(Lit { from: 5, until: 20, is_whole: true, every: 1 }));
+        let lit = film.lit(&lamp).unwrap();
+        let off = [lit.from - 4.5 / 60.0, lit.until - 19.5 / 60.0, lit.step - 1.0 / 60.0];
+        assert!(off.iter().all(|off| off.abs() < 1e-12), "{lit:?}");
     }
 
     #[test]
     fn a_film_without_a_lamp_has_none() {
         let mut blocks = Blocks::new(320, 200, 10);
-        (0..10).for_each(|_| blocks.push(&Gray::filled(320, 200, 90)));
+        (0..10).for_each(|k| blocks.push(f64::from(k), &Gray::filled(320, 200, 90)));
         assert_eq!(lamp(&[&blocks]), None);
         assert_eq!(lamp(&[]), None);
     }

@@ -3,7 +3,7 @@
 use diagnostics::{Diagnostic, Result, input};
 use lab::log::table::{RawTable, encoding_name};
 
-use super::columns::{Column, Role, columns, in_log_units, lit_seconds, plausible_pressure};
+use super::columns::{Column, Role, columns, in_log_units, lit_interval, plausible_pressure};
 use super::files::Recording;
 use super::guess::{Confidence, Guess};
 use super::pairing::Timed;
@@ -27,8 +27,8 @@ pub(super) struct Log {
     pub(super) dialect: String,
     /// The clock's unit, how sure it is, and why.
     pub(super) clock: (&'static str, Confidence, String),
-    /// Seconds for which the lamp is on, where the log has one.
-    pub(super) lit: Option<f64>,
+    /// When the lamp lights and goes out, s by the log's clock, where the log has one.
+    pub(super) lit: Option<[f64; 2]>,
     /// Median step of the clock, s.
     pub(super) step: f64,
 }
@@ -77,13 +77,14 @@ impl Log {
         let clock = clock_unit(time.and_then(|column| column.unit), step);
         let factor = in_log_units(clock.0);
         let lamp = columns.iter().find(|column| column.role == Role::Lamp);
-        let lit = lamp.and_then(|lamp| lit_seconds(stamps, &lamp.values)).map(|seconds| seconds * factor);
+        let lit = lamp.and_then(|lamp| lit_interval(stamps, &lamp.values)).map(|times| times.map(|time| time * factor));
         Self { name: recording.name.clone(), kind, dialect, clock, lit, step: step * factor, columns }
     }
 
     /// The duration of its lamp for a comparison.
     pub(super) fn timed(&self) -> Option<Timed> {
-        Some(Timed { name: self.name.clone(), lit: self.lit?, resolution: self.step })
+        let [on, off] = self.lit?;
+        Some(Timed { name: self.name.clone(), lit: off - on, resolution: self.step })
     }
 
     /// The columns of a role.
@@ -91,11 +92,10 @@ impl Log {
         self.columns.iter().filter(move |column| column.role == role)
     }
 
-    /// The clock's stamps, s from the first.
+    /// The clock's stamps, s.
     pub(super) fn stamps(&self) -> Vec<f64> {
         let stamps = self.of_role(Role::Time).next().map_or(&[][..], |column| &column.values);
-        let first = stamps.first().copied().unwrap_or(0.0);
-        stamps.iter().map(|stamp| (stamp - first) * in_log_units(self.clock.0)).collect()
+        stamps.iter().map(|stamp| stamp * in_log_units(self.clock.0)).collect()
     }
 
     /// The unit of its pressures, how sure it is, and why.

@@ -1,7 +1,7 @@
 //! `study doctor FOLDER`: a card proposed from a folder of recordings of which nothing is known but the files themselves.
 //!
 //! Films and logs are told by what they hold, not by their names: the film of the calibration by its board, a log by its columns, a pair by
-//! the time for which the lamp is on in both. Each guess has its evidence and is certain, likely or unsure; what no file says is a question.
+//! the time for which the lamp is on in both, or where a film shows none, by its motion. Each guess has its evidence and is certain, likely or unsure; what no file says is a question.
 
 mod card;
 mod columns;
@@ -9,8 +9,10 @@ mod experiment;
 mod files;
 mod film;
 mod guess;
+mod lag;
 mod lamp;
 mod logs;
+mod motion;
 mod pairing;
 mod solids;
 mod trials;

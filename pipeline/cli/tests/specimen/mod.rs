@@ -1,9 +1,12 @@
 //! A small valid specimen: a film of one mark and a lamp, a board, two solids and a log.
 #![allow(clippy::unwrap_used)]
 
+pub mod print;
+
 use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 use mesh::{Surface, stl};
 use tail_cad::Tail;
@@ -30,7 +33,7 @@ impl Project {
         let (body, spine) = solids();
         project.solid("body", &body, 1e-3);
         project.solid("spine", &spine, 1e-3);
-        project.film("camera/calibration.mp4", 30, board);
+        project.calibration(board);
         project.film(FILM, 66, picture);
         project.write(LOG, &log());
         project
@@ -48,12 +51,29 @@ impl Project {
         fs::write(self.path(&format!("cad/{word}.stl")), stl::write(surface, unit, word)).unwrap();
     }
 
+    /// The film of a board: on its plane as `flat` shows it, then the board of nine by six squares in several poses.
+    pub fn calibration(&self, flat: impl Fn(usize) -> Gray) {
+        let frames = ON_PLANE + VIEW * print::POSES;
+        let posed = |k: usize| POSED[(k - ON_PLANE) / VIEW].clone();
+        self.film("camera/calibration.mp4", frames, |k| if k < ON_PLANE { flat(k) } else { posed(k) });
+    }
+
     pub fn film(&self, place: &str, frames: usize, picture: impl Fn(usize) -> Gray) {
         let mut film = Writer::create(&self.path(place), (320, 240), RATE, Quality::Quantiser(20)).unwrap();
         (0..frames).for_each(|k| film.push(&picture(k)).unwrap());
         film.finish().unwrap();
     }
 }
+
+/// The board of nine by six squares in its poses.
+static POSED: LazyLock<Vec<Gray>> = LazyLock::new(|| {
+    let board = |at| print::checkerboard([9, 6], 20.0, at);
+    (0..print::POSES).map(|pose| print::posed(&board, pose)).collect()
+});
+
+/// Frames of the calibration in which the board lies on its plane, and frames of each pose.
+const ON_PLANE: usize = 30;
+const VIEW: usize = 6;
 
 impl Drop for Project {
     fn drop(&mut self) {

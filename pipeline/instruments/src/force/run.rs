@@ -98,6 +98,11 @@ pub(super) fn evaluate_run(
 /// First and last time of the run within its log, s.
 fn run_interval(recording: &Recording, log: &Recorded) -> Result<[Second; 2]> {
     let [first, last] = recording.seconds.or_else(|| log.pressed_interval()).ok_or_else(|| no_pressure(recording))?;
+    let missing = (log.force.start() - first).max(last - log.force.end());
+    // Less than a cycle is cut off anyway; of fewer cycles than named the mean is another. A pressure log may go on after the cell's.
+    if recording.seconds.is_some() && missing * recording.frequency.unwrap_or(1.0) > 1.0 {
+        return Err(outside_log(recording, log));
+    }
     let first = first.max(log.force.start());
     let last = last.min(log.force.end());
     if first >= last { Err(outside_log(recording, log)) } else { Ok([first, last]) }
@@ -208,7 +213,7 @@ fn no_pressure(recording: &Recording) -> Diagnostic {
 }
 
 fn outside_log(recording: &Recording, log: &Recorded) -> Diagnostic {
-    let defect = format!("recording `{}` has no force while it flapped", recording.id);
+    let defect = format!("recording `{}` has no force for a part of its run", recording.id);
     let reason = format!("its log of the force lasts from {:.3} to {:.3} s", log.force.start(), log.force.end());
     Diagnostic::new(defect, reason, "correct `seconds`, or name the logs of one run")
 }

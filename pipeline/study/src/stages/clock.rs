@@ -136,16 +136,21 @@ pub struct Synchronisation<'a> {
 
 impl Synchronisation<'_> {
     /// Checks that the lamp's edges in a film, in pictures of `height` rows, and in its log match, with enough rest before the first
-    /// command.
+    /// command; the motion of a trial without markers.
     ///
     /// # Errors
     /// A [`Diagnostic`] that names which of the two has no edge, or where they disagree.
-    pub fn check(&self, tracks: &Tracks, height: usize) -> Result<()> {
+    pub fn check(&self, tracks: &Tracks, height: usize) -> Result<Motion> {
         let shutter = Shutter { readout: self.card.readout, height };
         let row_delay = self.card.lamp_row.map_or(0.0, |row| shutter.row_delay(row));
-        let synchronised = self.synchronise(Some(tracks), row_delay, &read_log(self.card, self.context)?)?;
+        let logged = read_log(self.card, self.context)?;
+        let synchronised = self.synchronise(Some(tracks), row_delay, &logged)?;
         self.check_coverage(&tracks.time, &synchronised)?;
-        self.rest_frames(&tracks.time, &synchronised).map(drop)
+        self.rest_frames(&tracks.time, &synchronised)?;
+        let Synchronised { clock, lamp, sigma, log_time, gauges } = synchronised;
+        let clock = records::Clock { offset: clock.offset, scale: clock.scale, lamp, sigma };
+        let (time, sampling) = (tracks.time.clone(), logged.sampling);
+        Ok(Motion { time, markers: Vec::new(), rest: Vec::new(), gauges, log_time, clock, sampling })
     }
 
     /// Holds that film and log last until the trial on the card has ended: a truncated recording would pass

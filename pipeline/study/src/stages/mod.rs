@@ -38,7 +38,7 @@ pub mod track;
 mod transfer;
 mod validate;
 mod walls;
-mod wave;
+pub mod wave;
 
 use records::subject::Study;
 use workflow::entry::{Entry, stage};

@@ -79,16 +79,25 @@ fn from_upper_left(mut dots: Vec<Point2>) -> Vec<Point2> {
 
 /// Middles of the dark discs, px, those of typical size first: of a large picture as a reduced copy shows them, then as itself does.
 pub(super) fn disc_centres(picture: &Gray) -> impl Iterator<Item = Vec<Point2>> {
+    let middle = |disc: &Disc| blob::find_blob(picture, disc.at, disc.radius + RIM).ok().map(|blob| blob.at);
+    typical_discs(picture).map(move |discs| discs.iter().filter_map(middle).collect())
+}
+
+/// The same to a pixel: the means of their dark pixels.
+pub(super) fn rough_centres(picture: &Gray) -> impl Iterator<Item = Vec<Point2>> {
+    typical_discs(picture).map(|discs| discs.iter().map(|disc| disc.at).collect())
+}
+
+fn typical_discs(picture: &Gray) -> impl Iterator<Item = Vec<Disc>> {
     let reduced = Reduced::of_large_picture(picture);
     let itself = std::iter::once_with(|| find_discs(picture));
     let discs = reduced.map(|reduced| enlarge_discs(find_discs(&reduced.picture), &reduced)).into_iter().chain(itself);
-    discs.map(move |mut discs| {
+    discs.map(|mut discs| {
         // the board's dots are alike, so the typical one is among them
         discs.sort_by_key(|disc| disc.pixels);
         let typical = discs.get(discs.len() / 2).map_or(0, |disc| disc.pixels);
         discs.sort_by_key(|disc| disc.pixels.abs_diff(typical));
-        let middle = |disc: &Disc| blob::find_blob(picture, disc.at, disc.radius + RIM).ok().map(|blob| blob.at);
-        discs.iter().filter_map(middle).collect()
+        discs
     })
 }
 

@@ -11,7 +11,7 @@ type Grid = BTreeMap<(i32, i32), Point2>;
 /// A neighbour may lie this share of the step away from where it is expected: tilt and distortion change a step by less.
 const ASTRAY: f64 = 0.3;
 /// A place on a grid: column and row.
-type Place = (i32, i32);
+pub(super) type Place = (i32, i32);
 /// Starts that are tried, strongest corner first.
 const STARTS: usize = 40;
 /// Of them when the size of a grid is asked for: each grows a whole grid. And corners among which it is: the strongest, as those of a board are.
@@ -59,6 +59,14 @@ pub(super) fn largest_grid(corners: &[Point2]) -> Option<Complete> {
     starts.take(SIZED_FROM).filter_map(complete_grid).max_by_key(|grid| grid.places.len())
 }
 
+/// The largest grid among `corners`, whatever its outline: columns and rows from any number, the second axis anticlockwise of the first as seen.
+pub(super) fn largest_outline(corners: &[Point2]) -> Vec<(Place, Point2)> {
+    let corners = &corners[..corners.len().min(SIZED_AMONG)];
+    let starts = (0..corners.len()).filter_map(|start| Some((start, anticlockwise_steps(corners, start)?)));
+    let grids = starts.take(SIZED_FROM).map(|(start, steps)| grow_grid(corners, start, steps));
+    grids.max_by_key(Grid::len).unwrap_or_default().into_iter().collect()
+}
+
 /// The places of a grid in the order of `cells` (columns and rows from any number, the second axis anticlockwise of the first as seen),
 /// where exactly one quarter turn and shift puts all of them on the grid.
 ///
@@ -67,9 +75,8 @@ pub(super) fn largest_grid(corners: &[Point2]) -> Option<Complete> {
 pub(super) fn find_cells(corners: &[Point2], cells: &[(i32, i32)]) -> Result<Vec<Point2>, usize> {
     let mut largest = 0;
     for start in 0..corners.len().min(STARTS) {
-        let Some([first, second]) = first_steps(corners, start) else { continue };
-        let is_clockwise = first[0] * second[1] - first[1] * second[0] > 0.0;
-        let grid = grow_grid(corners, start, if is_clockwise { [second, first] } else { [first, second] });
+        let Some(steps) = anticlockwise_steps(corners, start) else { continue };
+        let grid = grow_grid(corners, start, steps);
         if let Some(places) = match_cells(&grid, cells) {
             return Ok(places);
         }
@@ -91,6 +98,13 @@ fn match_cells(grid: &Grid, cells: &[(i32, i32)]) -> Option<Vec<Point2>> {
     });
     let first = fits.next()?;
     fits.next().is_none().then_some(first)
+}
+
+/// The first steps, the second anticlockwise of the first as seen.
+fn anticlockwise_steps(corners: &[Point2], start: usize) -> Option<[Point2; 2]> {
+    let [first, second] = first_steps(corners, start)?;
+    let is_clockwise = first[0] * second[1] - first[1] * second[0] > 0.0;
+    Some(if is_clockwise { [second, first] } else { [first, second] })
 }
 
 /// Steps to two neighbours of a corner that stand across each other, each with a neighbour opposite, nearest first.

@@ -4,11 +4,13 @@
 //! points from the printed side towards the camera. The square that touches corner (0, 0) diagonally from outside is
 //! black. A board of odd × even squares looks different upside down, so the order of its corners is unique.
 
+pub mod any;
 pub mod asymmetric;
 pub mod charuco;
 mod dark;
 pub mod dots;
 mod lattice;
+mod margin;
 pub mod reduced;
 mod saddle;
 
@@ -244,35 +246,6 @@ fn corners_in_order(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardE
     }
     let Board { columns, rows, .. } = *board;
     Err(BoardError::NotFound { columns, rows, in_grid, seen: count_seen, expected: across * down })
-}
-
-/// A checkerboard of which nothing was known.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AnyCheckerboard {
-    /// Squares along its longer side.
-    pub columns: usize,
-    /// Squares along its shorter side.
-    pub rows: usize,
-    /// Its inner corners, px, to some pixels; the first is the end that is nearer the picture's upper left corner.
-    pub corners: Vec<Point2>,
-}
-
-/// The checkerboard in a picture of which nothing is known; none where there is no whole one.
-pub fn any_checkerboard(picture: &Gray) -> Option<AnyCheckerboard> {
-    check_levels(picture).ok()?;
-    let reduced = Reduced::of_large_picture(picture);
-    let searched = reduced.as_ref().map_or(picture, |reduced| &reduced.picture);
-    let grid = BLURS[..2].iter().find_map(|blur| {
-        let places: Vec<Point2> = saddle::find_saddles(searched, *blur).iter().map(|s| s.at).collect();
-        lattice::largest_grid(&places)
-    })?;
-    let enlarge = |place: &Point2| reduced.as_ref().map_or(*place, |reduced| reduced.to_picture(*place));
-    let mut corners: Vec<Point2> = grid.places.iter().map(enlarge).collect();
-    let (first, last) = (corners[0], corners[corners.len() - 1]);
-    if last[0] + last[1] < first[0] + first[1] {
-        corners.reverse();
-    }
-    Some(AnyCheckerboard { columns: grid.columns + 1, rows: grid.rows + 1, corners })
 }
 
 /// # Errors

@@ -41,7 +41,7 @@ pub(super) fn proposal(contents: &Contents, name: &str) -> Proposal {
     writer.chambers(&trials.trials);
     writer.markers();
     writer.camera(calibration, &contents.films);
-    writer.lamp(lamp.as_ref(), &films);
+    writer.lamp(lamp.as_ref(), &films, trials.true_seconds.is_some());
     trials.trials.iter().for_each(|trial| writer.trial(trial));
     writer.rate(&trials);
     writer.logs(&trials.trials);

@@ -16,6 +16,7 @@ impl Writer {
         if let Some(force) = trial.force {
             self.file("force", &force.name, Guess { about: about("force"), ..trial.pairing.clone() });
         }
+        trial.lags.iter().for_each(|lag| self.lag(lag));
         let names = format!("{} {}", trial.film.name, trial.pressure.name).to_lowercase();
         let has = |words: &[&str]| words.iter().any(|word| names.contains(word));
         let (medium, confidence, evidence) = match (has(&["water", "wasser", "tank"]), has(&["air", "luft", "dry"])) {
@@ -28,6 +29,14 @@ impl Writer {
             Some((channels, done)) => self.experiment(trial, channels, done),
             None => self.guesses.push(Guess::question(about("kind"), "its log commands nothing")),
         }
+    }
+
+    /// A lag as a remark: the clocks are matched by the lamp, so that the card has no key for it.
+    fn lag(&mut self, lag: &Guess) {
+        let log = lag.about.rsplit('.').next().unwrap_or_default();
+        let value = lag.value.as_deref().unwrap_or_default();
+        self.put(format_args!("# lag of the {log} log = {value}  # {}\n", lag.remark()));
+        self.guesses.push(lag.clone());
     }
 
     fn experiment(&mut self, trial: &Trial, channels: &[String], done: &Experiment) {
@@ -49,16 +58,22 @@ impl Writer {
     /// The true rate of the films.
     pub(super) fn rate(&mut self, trials: &Trials) {
         let Some(first) = trials.trials.first() else { return };
-        let (container, seconds) = (first.film.info.rate, trials.true_seconds);
-        let is_true = (seconds - 1.0).abs() < 0.01;
-        let rate = format!("{:.2} frames/s", container / seconds);
-        let confidence = if is_true && trials.trials.len() > 1 { Confidence::Certain } else { Confidence::Likely };
-        let evidence = match is_true {
-            true => "by the films' containers, and the lamp is on as long in films and logs".to_owned(),
-            false => format!(
-                "the containers say {container:.2}, but a second of them is {seconds:.4} s of the logs: give their pictures with a times.csv"
-            ),
+        let container = first.film.info.rate;
+        let (seconds, confidence, evidence) = match trials.true_seconds {
+            None => (1.0, Confidence::Likely, "by the films' containers; no lamp says it".to_owned()),
+            Some(seconds) if (seconds - 1.0).abs() < 0.01 => {
+                let is_sure = trials.trials.len() > 1;
+                let evidence = "by the films' containers, and the lamp is on as long in films and logs".to_owned();
+                (seconds, if is_sure { Confidence::Certain } else { Confidence::Likely }, evidence)
+            }
+            Some(seconds) => {
+                let evidence = format!(
+                    "the containers say {container:.2}, but a second of them is {seconds:.4} s of the logs: give their pictures with a times.csv"
+                );
+                (seconds, Confidence::Likely, evidence)
+            }
         };
+        let rate = format!("{:.2} frames/s", container / seconds);
         self.guesses.push(Guess::new(confidence, "frame rate", rate, evidence));
     }
 }

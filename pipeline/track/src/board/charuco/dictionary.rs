@@ -121,6 +121,22 @@ impl Dictionary {
         }
     }
 
+    /// The largest of each family, which reads the markers of the others.
+    pub(super) fn largest_of_families() -> impl Iterator<Item = Self> {
+        Self::all_dictionaries().filter(|dictionary| dictionary.family != Family::OpenCv || dictionary.count == 1000)
+    }
+
+    /// The smallest of its family with so many markers; others begin with the same.
+    pub(super) fn smallest_with(self, markers: usize) -> Self {
+        let fits = |count: &usize| self.family == Family::OpenCv && *count >= markers;
+        COUNTS.into_iter().find(fits).map_or(self, |count| Self { count, ..self })
+    }
+
+    /// Whether smaller and larger dictionaries have markers in common with it.
+    pub fn has_siblings(self) -> bool {
+        self.family == Family::OpenCv
+    }
+
     /// The bits of the first `limit` markers, row after row from the highest bit.
     pub(super) fn marker_codes(self, limit: usize) -> Vec<u64> {
         let text = match self.family {
@@ -169,7 +185,7 @@ fn first_aruco(number: usize) -> u64 {
 }
 
 /// The reading that begins at the next corner of the marker, clockwise: row r, column c is what stood in row c, column n − 1 − r.
-fn quarter_turned(bits: u64, side: usize) -> u64 {
+pub(super) fn quarter_turned(bits: u64, side: usize) -> u64 {
     let bit = |row: usize, column: usize| bits >> (side * side - 1 - row * side - column) & 1;
     (0..side * side).fold(0, |turned, k| turned << 1 | bit(k % side, side - 1 - k / side))
 }

@@ -36,7 +36,7 @@ pub(super) fn read_marker(picture: &Gray, quad: &Quad, dictionary: Dictionary, c
 }
 
 /// The bits inside the border, rows from the quadrilateral's first corner on; none where the border is not black on white.
-fn read_bits(picture: &Gray, quad: &Quad, side: usize) -> Option<u64> {
+pub(super) fn read_bits(picture: &Gray, quad: &Quad, side: usize) -> Option<u64> {
     let map = homography(&UNIT, quad)?;
     let cells = side + 2;
     let margin = OUTSIDE / cells as f64;

@@ -5,6 +5,7 @@
 //! The upper left square is black; on a board of OpenCV before 4.6 with an even number of rows it is white: which one is seen is decided by
 //! the numbers of neighbours.
 
+pub mod any;
 mod dictionary;
 mod layout;
 mod marker;
