@@ -30,7 +30,6 @@ const RETIRED: &[(&str, &str)] = &[
     ("climb", "incremental loading, gradient ascent"),
     ("gait", "globalisation, actuation"),
     ("glide", "PCG on the lagged factor"),
-    ("creeps", "pseudo-transient continuation"),
     ("pace", "pseudo step"),
     ("stall", "no convergence"),
     ("wear", "refactorisation policy"),
