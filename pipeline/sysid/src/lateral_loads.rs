@@ -1,8 +1,8 @@
 //! Lateral loads on a body like those of its inertia and of the water around it.
 
 use diagnostics::Result;
-use fem::{StaticSettings, System};
-use si::CubicMetre;
+use fem::{Elements, Mesh, StaticSettings, System};
+use si::{CubicMetre, vec3};
 
 use crate::model::{BODY, Elastic, Model};
 
@@ -48,19 +48,29 @@ pub(crate) fn unit_lateral_load(model: &Model, elastic: &Elastic, load: Lateral)
 fn plate_volumes(system: &System) -> Option<Vec<CubicMetre>> {
     let mesh = system.mesh();
     let mut node_volumes = vec![0.0; mesh.nodes.len()];
-    for (element, volume) in system.element_volumes().iter().enumerate() {
-        if mesh.regions[element] != BODY as u16 {
-            let nodes = mesh.elements.nodes(element);
-            nodes.iter().for_each(|&node| node_volumes[node as usize] += volume / nodes.len() as f64);
-        }
+    for element in (0..mesh.elements.len()).filter(|&e| mesh.regions[e] != BODY as u16) {
+        let nodes = mesh.elements.nodes(element);
+        // By their corners in tetrahedra: a rounding of these loads takes the ascents of actuation to another optimum,
+        // and the numbers of coarse studies with them. The first four nodes of a hexahedron are one face.
+        let volume = match mesh.elements {
+            Elements::Linear(_) | Elements::Quadratic(_) => corner_volume(mesh, nodes),
+            Elements::Hexahedra(_) | Elements::QuadraticHexahedra(_) => system.element_volumes()[element],
+        };
+        nodes.iter().for_each(|&node| node_volumes[node as usize] += volume / nodes.len() as f64);
     }
     node_volumes.iter().any(|volume| *volume > 0.0).then_some(node_volumes)
+}
+
+/// Volume of a tetrahedron with plane faces, m³.
+fn corner_volume(mesh: &Mesh, nodes: &[u32]) -> CubicMetre {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|k| mesh.nodes[nodes[k] as usize]);
+    vec3::dot(vec3::sub(b, a), vec3::cross(vec3::sub(c, a), vec3::sub(d, a))).abs() / 6.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::{Clamps, Mesh, RegionProperties, box_mesh, materials};
+    use fem::{Clamps, RegionProperties, box_mesh, materials};
 
     const SIDES: [f64; 3] = [0.06, 0.01, 0.02];
 
