@@ -13,7 +13,7 @@ const POLAR_STEPS: usize = 60;
 const FAR: f64 = 0.3;
 
 /// The rotation R in F = R S (polar decomposition) by the scaled Newton iteration
-/// R ← ½ (γ R + R⁻ᵀ/γ), γ = √(‖R⁻¹‖/‖R‖)     [higham1986], 3.4
+/// R ← ½ (γ R + R⁻ᵀ/γ), γ = √(‖R⁻¹‖/‖R‖)     \[higham1986\], 3.4
 ///
 /// R⁻ᵀ is the matrix of cofactors over the determinant. R is a reflection where det F < 0, and `None` where F is
 /// singular to rounding.

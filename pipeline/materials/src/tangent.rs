@@ -1,5 +1,5 @@
 //! Kinds of element tangent: the exact second derivative, its positive semi-definite part, and the
-//! mixed-integration-point (MIP) tangent [magisano2017].
+//! mixed-integration-point (MIP) tangent \[magisano2017\].
 //!
 //! The exact tangent uses the stress of the current iterate. After a long linear step that stress is spoilt by its own
 //! quadratic terms, which a stiff thin sheet in large rotation makes huge. The MIP tangent uses the stress that the

@@ -86,7 +86,7 @@ pub struct QuadraticMesh {
 }
 
 impl QuadraticMesh {
-    /// The nodes of every face of the skin: 6 of tetrahedra, 8 of hexahedra as [`QuadraticFace::as_side`].
+    /// The nodes of every face of the skin: 6 of tetrahedra, 8 of hexahedra as `QuadraticFace::as_side`.
     pub fn skin_rows(&self) -> Vec<Vec<u32>> {
         let row = |face: &QuadraticFace| match self.elements {
             QuadraticElements::Tetrahedra(_) => face.nodes().to_vec(),

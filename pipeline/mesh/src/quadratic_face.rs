@@ -23,7 +23,7 @@ impl QuadraticFace {
         Self { nodes, count: 8, on }
     }
 
-    /// From 6 nodes of a triangle, or 8 as [`Self::as_side`] gives them; none of other numbers.
+    /// From 6 nodes of a triangle, or 8 as `Self::as_side` gives them; none of other numbers.
     pub fn from_row(nodes: &[u32], on: Skin) -> Option<Self> {
         let triangle = nodes.try_into().ok().map(|nodes| Self::triangle(nodes, on));
         triangle.or_else(|| Self::of_side(nodes.try_into().ok()?, on))

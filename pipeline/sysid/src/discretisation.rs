@@ -41,10 +41,10 @@ pub struct MeshError {
 }
 
 impl MeshError {
-    /// Of an `error` of the simulated displacements (levels × markers, m); see [`parameter_shift`].
+    /// Of an `error` of the simulated displacements (levels × markers, m); see `parameter_shift`.
     ///
     /// # Errors
-    /// As [`parameter_shift`].
+    /// As `parameter_shift`.
     pub fn new(misfit: &Misfit, residuals: (&Residuals, usize), error: &[Vec<Point2>]) -> Result<Self> {
         let largest = error.iter().flatten().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
         Ok(Self { shift: parameter_shift(misfit, residuals, error)?, largest })

@@ -42,7 +42,7 @@ pub(crate) fn spanning_order(points: &[Vec<f64>], known: &[Vec<f64>]) -> Vec<usi
 /// pressure over modulus alone, and one path of rising pressure shows all of these bodies.
 ///
 /// # Errors
-/// As [`LevelSolver::follow_paths`].
+/// As `LevelSolver::follow_paths`.
 pub fn feasible_lower_bound(solver: &mut LevelSolver, elastic: &Elastic, bounds: &Bounds) -> Result<f64> {
     let (low, high) = (bounds.low[0], bounds.high[0]);
     let log_modulus = (elastic.youngs_moduli[BODY] / solver.model().nominal.youngs_moduli[BODY]).ln();

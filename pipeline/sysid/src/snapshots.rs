@@ -58,7 +58,7 @@ impl Snapshots<'_> {
     /// points.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when an equilibrium is not found.
+    /// A [`Diagnostic`](diagnostics::Diagnostic) when an equilibrium is not found.
     // Motions of a reduced model have no contact: reduced from shapes in which walls press on each other, it has no equilibrium near them.
     pub fn reduce(&self, tolerance: f64) -> Result<Reduction> {
         let free = self.model.without_contact();

@@ -2,7 +2,7 @@
 //!
 //! Surfaces are remeshed towards the target length within an envelope, their nodes and a graded lattice become Delaunay tetrahedra, their triangles
 //! are inserted by splits of edges, winding numbers say which tetrahedra are solid, and local operations bring the elements to length and
-//! shape [hu2018] [hu2020]. A result that keeps to the envelope and is valid is preferred to a refusal: what cannot be inserted is approximated.
+//! shape \[hu2018\] \[hu2020\]. A result that keeps to the envelope and is valid is preferred to a refusal: what cannot be inserted is approximated.
 //!
 //! | task | item |
 //! |------|------|

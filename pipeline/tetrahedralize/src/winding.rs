@@ -4,7 +4,7 @@ use si::Point3;
 
 use crate::tree::Tree;
 
-/// The winding numbers of a surface [jacobson2013].
+/// The winding numbers of a surface \[jacobson2013\].
 #[derive(Debug, Clone)]
 pub struct Winding(Tree);
 

@@ -33,7 +33,7 @@ pub struct Output {
 }
 
 /// One solid at its cubature points, of ψ = μ/2 x + C₂₀ x² + C₃₀ x³ + λ/2 ln²J with x = I₁ − 3 − 2 ln J: the neo-Hookean law
-/// [bonet2008] where C₂₀ and C₃₀ are zero, Yeoh's [yeoh1993] otherwise.
+/// \[bonet2008\] where C₂₀ and C₃₀ are zero, Yeoh's \[yeoh1993\] otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     /// Its name on the card.
@@ -71,7 +71,7 @@ pub struct Chamber {
 
 /// A section of the tail in still water. With tangent t = (1, 0) + S q, normal n = (−t_y, t_x), velocity V q̇, w = velocity · n and
 /// u = velocity · t, it has the generalised force
-/// Vᵀ [−d/dt (m w n) − c |w| w n + l (u w n − ½ w² t)] − h Sᵀ (u w n − ½ w² t)          [lighthill1971], [taylor1952].
+/// Vᵀ [−d/dt (m w n) − c |w| w n + l (u w n − ½ w² t)] − h Sᵀ (u w n − ½ w² t)          \[lighthill1971\], \[taylor1952\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// S, 2 × r, per unit of q.

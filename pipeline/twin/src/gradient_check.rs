@@ -1,6 +1,6 @@
 //! Gradient check of a reduced tail: its adjoint against differences, and the Taylor test along each parameter.
 //!
-//! The chambers are filled in turn, to a pressure that bends the tail to [`FAR`] of its largest shape. The loss is without symmetry and
+//! The chambers are filled in turn, to a pressure that bends the tail to `FAR` of its largest shape. The loss is without symmetry and
 //! takes coordinates and velocities at every step. A parameter is changed relative to itself.
 
 use std::fmt;

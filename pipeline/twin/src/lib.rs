@@ -1,7 +1,7 @@
-//! A reduced tail that steps in real time: modes by proper orthogonal decomposition with empirical cubature (ECSW) [farhat2014],
-//! [hernandez2017], relaxing silicone, chambers, and still water by slender-body theory, with nothing else of the simulator.
+//! A reduced tail that steps in real time: modes by proper orthogonal decomposition with empirical cubature (ECSW) \[farhat2014\],
+//! \[hernandez2017\], relaxing silicone, chambers, and still water by slender-body theory, with nothing else of the simulator.
 //!
-//! [`TwinData`] holds the arrays; [`Twin`] lays them out for a processor's vectors and steps a [`TwinState`] by BDF2. [`file`] reads and
+//! [`TwinData`] holds the arrays; [`Twin`] lays them out for a processor's vectors and steps a [`TwinState`] by BDF2. [`file`](mod@file) reads and
 //! writes them as safetensors. The equations are those of the reduced model in `fem`, to the tolerance of a step.
 //! A [`Recording`] keeps a motion, whose derivatives [`Twin::adjoint`] gives; [`gradient_check`] compares them with differences.
 //! [`package`] is the crate by itself, as it is exported.

@@ -1,9 +1,9 @@
 //! Logs as instruments write them: columns of numbers with or without titles, on a clock that need not be even.
 //!
 //! The separator is `,`, `;`, a tab or a run of blanks; where it is no comma, a comma is the decimal sign. Lines that open with `#` are remarks;
-//! [`head`] has what else may stand above the numbers, [`encoding`] in what letters. Columns may stand in any order and others may stand beside
+//! `head` has what else may stand above the numbers, [`encoding`] in what letters. Columns may stand in any order and others may stand beside
 //! them; `[[log.columns]]` of the card names those with other titles or units. A number at the full scale of an amplifier and a lone jump of a
-//! force are no force ([`spikes`]). An uneven log is resampled onto an even clock; a gap and a time that does not rise are refused with their line.
+//! force are no force (`spikes`). An uneven log is resampled onto an even clock; a gap and a time that does not rise are refused with their line.
 
 mod clock_wrap;
 mod columns;

@@ -1,7 +1,7 @@
 //! The study as a workflow for Snakemake: one rule a stage, figure or table, and jobs that make one record each.
 //!
 //! A job is `study make`, so that records lie in the same store and are the same to the byte as those of `study run`. What is left to do
-//! is decided by the store's plan, by content, and not by Snakemake's dates: each time that the workflow begins, it has the [`marks`] of
+//! is decided by the store's plan, by content, and not by Snakemake's dates: each time that the workflow begins, it has the `marks` of
 //! records set anew. Files of the project as inputs of rules were the alternative. They start every job of a stage when a comment of
 //! `study.toml` changes, and `update()` of a manifest gives it a new date although its job was killed, so that nothing is left to do.
 //!
