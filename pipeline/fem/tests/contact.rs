@@ -164,12 +164,10 @@ fn reduced(system: &System, suctions: &[f64]) -> (Arc<ReducedModel>, Vec<Vec<f64
     let mut shapes: Vec<Vec<f64>> = Vec::new();
     for suction in suctions {
         let start = shapes.last().map(Vec::as_slice);
-        let found = solver.equilibrium(&[-suction], start, &StaticSettings::default()).unwrap();
-        let by_modulus = solver.sensitivity(&found, Parameter::YoungsModulus(0)).unwrap();
-        shapes.extend([found.displacement, by_modulus.iter().map(|by| 2e4 * by).collect()]);
-        // the next one starts from an equilibrium
-        let last = shapes.len() - 1;
-        shapes.swap(last, last - 1);
+        let equilibrium = solver.equilibrium(&[-suction], start, &StaticSettings::default()).unwrap();
+        let by_modulus = solver.sensitivity(&equilibrium, Parameter::YoungsModulus(0)).unwrap();
+        // the equilibrium last: the next one starts from it
+        shapes.extend([by_modulus.iter().map(|by| 2e4 * by).collect(), equilibrium.displacement]);
     }
     let snapshots: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
     let settings = ReductionSettings { coordinates: 18, tolerance: 1e-4, ..ReductionSettings::default() };
@@ -186,31 +184,33 @@ fn a_reduced_model_in_contact_has_the_equilibria_and_derivatives_of_the_whole_bo
     let contact = system.reduced_contact(&model, &shapes).unwrap();
     let regions = system.regions().to_vec();
     let mut reduced = ReducedSolver::new(Arc::clone(&model), regions.clone()).in_contact(contact.map(Arc::new));
-    let rest = DVector::zeros(model.coordinates());
+    let undeformed = DVector::zeros(model.coordinates());
     for suction in [900.0, 1500.0, 2600.0] {
-        let whole = system.solver().equilibrium(&[-suction], None, &StaticSettings::default()).unwrap().displacement;
-        let found = reduced.equilibrium_near(&[-suction], &rest, &rest).unwrap();
-        let gaps = [&whole, &model.displacement(&found.coordinates)].map(|u| gap(&system, u));
+        let full_shape =
+            system.solver().equilibrium(&[-suction], None, &StaticSettings::default()).unwrap().displacement;
+        let equilibrium = reduced.equilibrium_near(&[-suction], &undeformed, &undeformed).unwrap();
+        let gaps = [&full_shape, &model.displacement(&equilibrium.coordinates)].map(|u| gap(&system, u));
         assert!((gaps[0] - gaps[1]).abs() < 0.03 * CONTACT.range, "{suction}: {gaps:?}");
     }
     // without contact the roof passes through the floor
-    let free = ReducedSolver::new(Arc::clone(&model), regions).equilibrium_near(&[-1500.0], &rest, &rest).unwrap();
+    let free =
+        ReducedSolver::new(Arc::clone(&model), regions).equilibrium_near(&[-1500.0], &undeformed, &undeformed).unwrap();
     assert!(gap(&system, &model.displacement(&free.coordinates)) < 0.0);
-    let found = reduced.equilibrium_near(&[-1500.0], &rest, &rest).unwrap();
-    let loss = DVector::from_fn(rest.len(), |mode, _| (0.3 + 1.3 * mode as f64).sin());
-    let of = |solver: &ReducedSolver, pressure: f64| {
-        let end = solver.equilibrium_near(&[pressure], &found.coordinates, &found.coordinates).unwrap();
+    let equilibrium = reduced.equilibrium_near(&[-1500.0], &undeformed, &undeformed).unwrap();
+    let loss = DVector::from_fn(undeformed.len(), |mode, _| (0.3 + 1.3 * mode as f64).sin());
+    let loss_under = |solver: &ReducedSolver, pressure: f64| {
+        let end = solver.equilibrium_near(&[pressure], &equilibrium.coordinates, &equilibrium.coordinates).unwrap();
         end.coordinates.dot(&loss)
     };
-    let by_pressure = (of(&reduced, -1499.0) - of(&reduced, -1501.0)) / 2.0;
-    let gradient = reduced.pressure_gradient(&found, &loss)[0];
+    let by_pressure = (loss_under(&reduced, -1499.0) - loss_under(&reduced, -1501.0)) / 2.0;
+    let gradient = reduced.pressure_gradient(&equilibrium, &loss)[0];
     assert!((gradient / by_pressure - 1.0).abs() < 1e-4, "{gradient:e} {by_pressure:e}");
-    let adjoint = reduced.adjoint(&found, &loss, &[Parameter::YoungsModulus(0)]).unwrap()[0];
-    let mut at = |e: f64| {
+    let adjoint = reduced.adjoint(&equilibrium, &loss, &[Parameter::YoungsModulus(0)]).unwrap()[0];
+    let mut loss_of_modulus = |e: f64| {
         reduced.set_elastic(0, e, 0.45).unwrap();
-        of(&reduced, -1500.0)
+        loss_under(&reduced, -1500.0)
     };
-    let by_modulus = (at(2.001e5) - at(1.999e5)) / 200.0;
+    let by_modulus = (loss_of_modulus(2.001e5) - loss_of_modulus(1.999e5)) / 200.0;
     assert!((adjoint / by_modulus - 1.0).abs() < 1e-4, "{adjoint:e} {by_modulus:e}");
 }
 

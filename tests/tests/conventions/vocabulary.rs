@@ -62,8 +62,8 @@ const RETIRED: &[(&str, &str)] = &[
 ];
 
 // Not retired, because the word has a standard meaning that the tree uses: creep, memory, moment, slope, spread (Covariance2 is a type), share, rule,
-// patience, stride, walk (random), middle, part, dead load, degree of freedom, outcome, refusal, lane, line of sight, turn, ladder of designs, edition of a
-// book, shed vortices, moments that are held. The verbs `tell`, `keep` and `stand` stay in the sentences that name tests.
+// patience, stride, walk (random), middle, part, dead load, degree of freedom, outcome, refusal, lane of a vector register, line of sight, turn,
+// shed vortices. `ladder` is the list of laws that a fit tries in turn. The verbs `tell`, `keep` and `stand` stay in the sentences that name tests.
 
 /// Phrases that no sentence for a user contains, and the one instead.
 const PHRASES: &[(&str, &str)] = &[

@@ -108,9 +108,9 @@ fn has_plain_squares(picture: &Gray, corners: &[Point2], across: usize) -> bool 
 fn square_levels(picture: &Gray, [a, b, c, d]: [Point2; 4]) -> [f64; 9] {
     std::array::from_fn(|k| {
         let [u, v] = [k % 3, k / 3].map(|step| 0.25 + 0.25 * step as f64);
-        let place = [0, 1]
+        let pixel = [0, 1]
             .map(|axis| (1.0 - v) * ((1.0 - u) * a[axis] + u * b[axis]) + v * ((1.0 - u) * c[axis] + u * d[axis]));
-        picture.interpolated_level(place)
+        picture.interpolated_level(pixel)
     })
 }
 

@@ -53,20 +53,20 @@ impl Writer {
             GridKind::AsymmetricDots => ("asymmetric_dots", "rows of dots, shifted in turn,", rows % 2 == 1),
         };
         let confidence = sureness(board.whole >= 5 && has_one_order && count * 2 > searched);
-        let seen = match kind {
+        let size = match kind {
             GridKind::Checkerboard => format!("{} × {} inner corners", columns - 1, rows - 1),
             _ => format!("{columns} × {rows} {cells}"),
         };
-        let seen =
-            format!("{seen} in {count} of {searched} pictures, {} of them with light ground all around", board.whole);
-        self.line("kind", Guess::new(confidence, "camera.board.kind", format!("{word:?}"), &seen));
-        self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &seen));
-        self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &seen));
+        let evidence =
+            format!("{size} in {count} of {searched} pictures, {} of them with light ground all around", board.whole);
+        self.line("kind", Guess::new(confidence, "camera.board.kind", format!("{word:?}"), &evidence));
+        self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &evidence));
+        self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &evidence));
         if !has_one_order {
-            let evidence = format!(
+            let symmetry = format!(
                 "{columns} × {rows} {cells} look the same from two sides, and are not read: film another board"
             );
-            self.guesses.push(Guess::question("camera.board", evidence));
+            self.guesses.push(Guess::question("camera.board", symmetry));
         }
         self.square(match kind {
             GridKind::Checkerboard => "the side of a square, measured on the print",
@@ -82,13 +82,16 @@ impl Writer {
         let AnyCharuco { columns, rows, .. } = *charuco;
         let is_plausible = charuco.first == 0 && (rows % 2 == 0 || !charuco.is_legacy);
         let confidence = sureness(board.whole >= 5 && is_plausible && count * 2 > searched);
-        let seen = format!(
+        let evidence = format!(
             "the numbers of the markers in {count} of {searched} pictures, {} of them with light ground all around",
             charuco.whole
         );
-        self.line("kind", Guess::new(sureness(count >= 5 && is_plausible), "camera.board.kind", "\"charuco\"", &seen));
-        self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &seen));
-        self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &seen));
+        self.line(
+            "kind",
+            Guess::new(sureness(count >= 5 && is_plausible), "camera.board.kind", "\"charuco\"", &evidence),
+        );
+        self.line("columns", Guess::new(confidence, "camera.board.columns", columns, &evidence));
+        self.line("rows", Guess::new(confidence, "camera.board.rows", rows, &evidence));
         let print = if charuco.is_legacy { "white" } else { "black" };
         let print =
             Guess::new(confidence, "camera.board.print", format!("upper left square {print}"), "both prints are read");

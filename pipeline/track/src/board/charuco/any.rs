@@ -130,8 +130,8 @@ pub fn any_charuco(sets: &[&MarkerSet]) -> Option<AnyCharuco> {
     fits.sort_by_key(|(_, fits)| std::cmp::Reverse(explained(fits)));
     let second = explained(&fits.get(1)?.1);
     let ((columns, is_legacy), best) = fits.swap_remove(0);
-    let all: usize = sets.iter().map(|set| set.markers.len()).sum();
-    if explained(&best) as f64 <= CLEAR * all as f64 || second as f64 > CLEAR * explained(&best) as f64 {
+    let marker_count: usize = sets.iter().map(|set| set.markers.len()).sum();
+    if explained(&best) as f64 <= CLEAR * marker_count as f64 || second as f64 > CLEAR * explained(&best) as f64 {
         return None;
     }
     let numbers = || best.iter().flatten().flat_map(|fit| &fit.numbers);
@@ -143,9 +143,17 @@ pub fn any_charuco(sets: &[&MarkerSet]) -> Option<AnyCharuco> {
     let is_whole = |(fit, set): &(&Option<Fit>, &&MarkerSet)| {
         fit.as_ref().is_some_and(|fit| shows_margin(fit, &set.picture, [columns, rows]))
     };
-    let whole = best.iter().zip(sets).filter(is_whole).count();
+    let whole_boards = best.iter().zip(sets).filter(is_whole).count();
     let dictionary = family.smallest_with(columns * rows / 2);
-    Some(AnyCharuco { dictionary, first, columns, rows, marker_share: shares[shares.len() / 2], is_legacy, whole })
+    Some(AnyCharuco {
+        dictionary,
+        first,
+        columns,
+        rows,
+        marker_share: shares[shares.len() / 2],
+        is_legacy,
+        whole: whole_boards,
+    })
 }
 
 /// Column and row of the white square of a marker.
