@@ -16,7 +16,7 @@ pub const MESH: u64 = 512 << 20;
 /// The bytes of a regular file of at most `limit` bytes.
 ///
 /// # Errors
-/// When it cannot be read, is no regular file, or is larger.
+/// When it cannot be read, is no regular file, is larger, or is packed.
 pub fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let length = regular(path)?;
     if length > limit {
@@ -25,7 +25,31 @@ pub fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(length as usize);
     // A file may grow while it is read.
     File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > limit { Err(too_large(bytes.len() as u64, limit)) } else { Ok(bytes) }
+    if bytes.len() as u64 > limit {
+        return Err(too_large(bytes.len() as u64, limit));
+    }
+    match packing_of(&bytes) {
+        Some((name, command)) => Err(io::Error::new(
+            ErrorKind::InvalidData,
+            format!("it is packed by {name}; unpack it first with {command}"),
+        )),
+        None => Ok(bytes),
+    }
+}
+
+/// The first bytes of packed files, which no reader unpacks: a reader of text would find "no text", one of triangles a wrong count. Their
+/// programs, and what unpacks them. Zip is left out: workbooks are zip archives too, and the readers of logs know better what to do with those.
+const PACKINGS: [(&[u8], &str, &str); 4] = [
+    (b"\x1f\x8b", "gzip", "gunzip"),
+    (b"BZh", "bzip2", "bunzip2"),
+    (b"\xfd7zXZ\0", "xz", "unxz"),
+    (b"\x28\xb5\x2f\xfd", "zstd", "unzstd"),
+];
+
+/// The program that packed these bytes and the command that unpacks them.
+fn packing_of(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    let (_, name, command) = PACKINGS.iter().find(|(magic, ..)| bytes.starts_with(magic))?;
+    Some((name, command))
 }
 
 /// The text of a regular file of at most `limit` bytes.
@@ -89,6 +113,16 @@ mod tests {
         if cfg!(unix) {
             assert!(read(Path::new("/dev/zero"), PAGE).unwrap_err().to_string().contains("a device, not a file"));
         }
+    }
+
+    #[test]
+    fn a_packed_file_is_refused_with_the_command_that_unpacks_it() {
+        let path = std::env::temp_dir().join(format!("input-packed-{}", std::process::id()));
+        for (magic, _, command) in PACKINGS {
+            fs::write(&path, [magic, b"\x08 and more"].concat()).unwrap();
+            assert!(read(&path, PAGE).unwrap_err().to_string().ends_with(command), "{command}");
+        }
+        fs::remove_file(&path).unwrap();
     }
 
     #[cfg(unix)]
