@@ -46,6 +46,16 @@ fn a_log_in_any_encoding_is_the_same() {
 }
 
 #[test]
+fn titles_of_several_lines_and_days_of_a_spreadsheet_are_read() {
+    let titled = columns(["Time (s)", "s"], ["Load (mN)", "mN"]);
+    same("\"Time\n(s)\",\"Load\n(mN)\"\r\n0.0,500\r\n0.1,-250\r\n0.2,125\r\n", &titled);
+    let days = "t;force_n\n45413,52083333330;0,5\n45413,52083449074;-0,25\n45413,52083564815;0,125\n";
+    same(days, &columns(["t", "day"], ["force_n", "N"]));
+    let refusal = forces(days.replacen("t;", "time_s;", 1).as_bytes(), "").unwrap_err();
+    assert!(refusal.contains("force.csv:2") && refusal.contains("unit = \"day\""), "{refusal}");
+}
+
+#[test]
 fn heads_units_and_separators_of_other_programs_are_read_past() {
     same("sep=;\ntime_s;force_n\n0;0,5\n0,1;-0,25\n0,2;0,125\n", "");
     same("time_s,force_n\n(s),(N)\n0,0.5\n0.1,-0.25\n0.2,0.125\n", "");

@@ -245,6 +245,7 @@ pub(super) fn in_log_units(unit: &str) -> f64 {
     match unit {
         "ms" | "mN" => 1e-3,
         "us" => 1e-6,
+        "day" => 86_400.0,
         "Pa" => 0.01,
         "kPa" => 10.0,
         "bar" => 1e3,

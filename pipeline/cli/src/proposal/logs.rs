@@ -74,7 +74,7 @@ impl Log {
         let time = columns.iter().find(|column| column.role == Role::Time);
         let stamps = time.map_or(&[][..], |column| &column.values);
         let step = median_step(stamps);
-        let clock = clock_unit(time.and_then(|column| column.unit), step);
+        let clock = clock_unit(time.and_then(|column| column.unit), stamps, step);
         let factor = in_log_units(clock.0);
         let lamp = columns.iter().find(|column| column.role == Role::Lamp);
         let lit = lamp.and_then(|lamp| lit_interval(stamps, &lamp.values)).map(|times| times.map(|time| time * factor));
@@ -144,7 +144,11 @@ fn median_step(stamps: &[f64]) -> f64 {
 }
 
 /// The unit that the file names, or the one by which the log's rate is that of an instrument.
-fn clock_unit(named: Option<&'static str>, step: f64) -> (&'static str, Confidence, String) {
+fn clock_unit(named: Option<&'static str>, stamps: &[f64], step: f64) -> (&'static str, Confidence, String) {
+    // whatever its title says: a spreadsheet turns a column of dates into days and leaves the title
+    if lab::log::are_spreadsheet_days(stamps) {
+        return ("day", Confidence::Likely, format!("{} and steps of {step:.2e} are days of a spreadsheet", stamps[0]));
+    }
     if let Some(unit) = named {
         return (unit, Confidence::Certain, "the column names it".to_owned());
     }

@@ -80,6 +80,9 @@ pub enum Unit {
     /// Microseconds.
     #[serde(rename = "us")]
     Microsecond,
+    /// Days, as a spreadsheet counts its dates.
+    #[serde(rename = "day")]
+    Day,
     /// A date with a time of day, `2024-05-01T12:00:00.125`, or a time of day alone.
     #[serde(rename = "iso8601")]
     Iso8601,
@@ -144,6 +147,7 @@ impl Unit {
             Self::Second => "s",
             Self::Millisecond => "ms",
             Self::Microsecond => "us",
+            Self::Day => "day",
             Self::Iso8601 => "iso8601",
             Self::Pascal => "Pa",
             Self::Millibar => "mbar",
@@ -160,7 +164,7 @@ impl Unit {
     /// What it measures.
     pub(crate) fn dimension(self) -> Dimension {
         match self {
-            Self::Second | Self::Millisecond | Self::Microsecond | Self::Iso8601 => Dimension::Time,
+            Self::Second | Self::Millisecond | Self::Microsecond | Self::Day | Self::Iso8601 => Dimension::Time,
             Self::Pascal | Self::Millibar | Self::Kilopascal | Self::Bar | Self::PoundPerSquareInch => {
                 Dimension::Pressure
             }
@@ -175,6 +179,7 @@ impl Unit {
             Self::Second | Self::Iso8601 | Self::Millibar | Self::Newton | Self::Ratio => 1.0,
             Self::Millisecond | Self::Millinewton => 1e-3,
             Self::Microsecond => 1e-6,
+            Self::Day => 86_400.0,
             Self::Pascal => 1.0 / MILLIBAR,
             Self::Kilopascal => 1e3 / MILLIBAR,
             Self::Bar => 1e5 / MILLIBAR,
@@ -211,6 +216,7 @@ mod tests {
             (Unit::Second, 1.0),
             (Unit::Millisecond, 1e-3),
             (Unit::Microsecond, 1e-6),
+            (Unit::Day, 86_400.0),
             (Unit::Pascal, 0.01),
             (Unit::Millibar, 1.0),
             (Unit::Kilopascal, 10.0),

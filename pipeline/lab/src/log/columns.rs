@@ -6,7 +6,7 @@ use std::path::Path;
 use super::dialect::Dialect;
 use super::grouping::{self, Grouping};
 use super::head::Line;
-use super::time::iso8601;
+use super::time::{are_spreadsheet_days, iso8601};
 use super::units::file_unit;
 use super::{ColumnFormat, LogFormat};
 use crate::card::{Log, LogColumn, Place, Unit};
@@ -224,6 +224,20 @@ impl Layout<'_> {
             format!("it may be {whole} or {decimal}: its sign stands before three digits in all of the column");
         let action = "export the log without separators of thousands, and with one decimal sign";
         Err(Diagnostic::file(self.path, defect, reason, action).at_line(line))
+    }
+
+    /// Whether times (s) without a unit on the card are seconds.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when they look like days of a spreadsheet.
+    pub(super) fn check_clock(&self, times: &[f64]) -> Result<(), Diagnostic> {
+        if self.columns[0].unit.is_some() || !are_spreadsheet_days(times) {
+            return Ok(());
+        }
+        let defect = format!("time_s begins at {} and rises by {:.2e} a line", times[0], times[1] - times[0]);
+        let action =
+            "give the column unit = \"day\" in [[log.columns]] with quantity = \"time_s\", or \"s\" if it is right";
+        Err(Diagnostic::file(self.path, defect, "these look like the days of a spreadsheet, not seconds", action))
     }
 
     /// Whether the numbers of a line lie in their ranges.

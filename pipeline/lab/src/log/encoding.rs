@@ -8,7 +8,10 @@ const WINDOWS_1252: [char; 32] = [
 /// Characters of a text without a mark that are looked at for the zeros of UTF-16.
 const EXAMINED: usize = 512;
 
-/// The text of a log; none where the bytes are no text. UTF-8 keeps its byte-order mark.
+/// Line breaks within one quoted field at most: more are a quote that was never closed.
+const MAX_FIELD_BREAKS: usize = 8;
+
+/// The text of a log; none where the bytes are no text. UTF-8 keeps its byte-order mark; fields in quotes lose their line breaks.
 pub(crate) fn decode_text(bytes: Vec<u8>) -> Option<String> {
     let text = match utf_16(&bytes) {
         Some(text) => text?,
@@ -17,7 +20,39 @@ pub(crate) fn decode_text(bytes: Vec<u8>) -> Option<String> {
     };
     // A workbook or a picture has bytes that stand in no text.
     let is_control = |c: char| c < ' ' && !matches!(c, '\t' | '\n' | '\r' | '\u{b}' | '\u{c}' | '\u{1a}');
-    (!text.chars().any(is_control)).then_some(text)
+    (!text.chars().any(is_control)).then(|| join_quoted_lines(text))
+}
+
+/// Spreadsheets write titles of several lines in quotes. Each break within quotes becomes a blank and moves behind the record, so that the lines
+/// below keep their numbers in messages.
+fn join_quoted_lines(text: String) -> String {
+    if !text.contains('"') {
+        return text;
+    }
+    let lines: Vec<&str> = text.split('\n').collect();
+    let mut joined: Vec<String> = Vec::with_capacity(lines.len());
+    while joined.len() < lines.len() {
+        let remaining = &lines[joined.len()..];
+        let count = quoted_record_length(remaining);
+        let parts: Vec<&str> = remaining[..count].iter().map(|line| line.trim_end_matches('\r')).collect();
+        joined.push(if count == 1 { remaining[0].to_owned() } else { parts.join(" ") });
+        joined.extend(std::iter::repeat_n(String::new(), count - 1));
+    }
+    joined.join("\n")
+}
+
+/// Lines of the first record: more than one where its last quote opens a field that a later line closes.
+fn quoted_record_length(lines: &[&str]) -> usize {
+    let quotes = |line: &str| line.matches('"').count();
+    // a quote behind a word is a sign of its own, such as inches in a title
+    let opens_field = lines[0].rsplit_once('"').is_some_and(|(before, _)| {
+        before.trim_end_matches(' ').chars().next_back().is_none_or(|c| matches!(c, ',' | ';' | '\t' | '\u{feff}'))
+    });
+    if !opens_field || quotes(lines[0]) % 2 == 0 {
+        return 1;
+    }
+    let last = lines.iter().take(MAX_FIELD_BREAKS + 1).skip(1).position(|line| quotes(line) % 2 == 1);
+    last.map_or(1, |position| position + 2)
 }
 
 /// Whether bytes are read as Windows-1252, which no mark confirms.
@@ -69,6 +104,17 @@ mod tests {
             assert_eq!(decode_text(bytes.clone()).as_deref(), Some(TEXT), "{bytes:?}");
         }
         assert_eq!(decode_text(format!("\u{feff}{TEXT}").into()), Some(format!("\u{feff}{TEXT}")));
+    }
+
+    #[test]
+    fn quoted_titles_of_several_lines_become_one_and_lines_below_keep_their_numbers() {
+        let joined = |text: &str| decode_text(text.into()).unwrap();
+        let text = "\"Time\n(s)\",\"Force\r\n(mN)\"\r\n0,1\r\n";
+        assert_eq!(joined(text), "\"Time (s)\",\"Force (mN)\"\r\n\n\n0,1\r\n".replace("\"\r\n", "\"\n"));
+        assert_eq!(joined(text).lines().position(|line| line == "0,1"), text.lines().position(|line| line == "0,1"));
+        for unchanged in ["t,\"a\"\"b\"\n0,1\n", "t,5\" bore\n0,1\n", "t,\"open\n0,1\n1,2\n", "\"a\",\"b\"\n"] {
+            assert_eq!(joined(unchanged), unchanged);
+        }
     }
 
     #[test]

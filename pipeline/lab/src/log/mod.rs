@@ -33,6 +33,7 @@ use sampling::Stamps;
 pub use sampling::{InterpolationBound, Method, RateChange, Sampling, StampFault, StampFaultKind};
 pub use spikes::Spike;
 pub(crate) use spikes::Spikes;
+pub use time::are_spreadsheet_days;
 pub(crate) use time::iso8601;
 
 /// The columns of one kind of log; the first one is time in s.
@@ -169,6 +170,7 @@ impl<'a> LogText<'a> {
         }
         rows.spikes = format.spikes.leave_out(&mut rows.rows, &rows.lines, layout.unit_factor(1));
         rows.unwrap_clock();
+        layout.check_clock(&rows.row_times()).map_err(|diagnostic| diagnostic.at_line(rows.lines[0]))?;
         let mut numbered_rows = rows.rows.iter().zip(&rows.lines);
         numbered_rows
             .try_for_each(|(row, line)| layout.check_ranges(row).map_err(|diagnostic| diagnostic.at_line(*line)))?;

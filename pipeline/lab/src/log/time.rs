@@ -32,6 +32,20 @@ pub(crate) fn iso8601(field: &str) -> Option<Second> {
     Some(total_seconds(i64::from(time.num_seconds_from_midnight()), time.nanosecond()))
 }
 
+/// Days from 1954 to 2173 as spreadsheets count them, from the end of 1899 on.
+const SPREADSHEET_DAYS: std::ops::Range<f64> = 20_000.0..100_000.0;
+/// Steps of a logger in days: from a tenth of a millisecond to two seconds. In seconds they would be those of 40 kHz and more.
+const LOGGER_STEPS: std::ops::Range<f64> = 1e-9..2.4e-5;
+
+/// Whether times look like days of a spreadsheet rather than seconds.
+pub fn are_spreadsheet_days(times: &[f64]) -> bool {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let median_step = steps.get(steps.len() / 2);
+    times.first().is_some_and(|first| SPREADSHEET_DAYS.contains(first))
+        && median_step.is_some_and(|step| LOGGER_STEPS.contains(step))
+}
+
 fn total_seconds(whole: i64, nanoseconds: u32) -> Second {
     whole as f64 + 1e-9 * f64::from(nanoseconds)
 }
@@ -39,6 +53,14 @@ fn total_seconds(whole: i64, nanoseconds: u32) -> Second {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn days_of_a_spreadsheet_are_no_seconds() {
+        let clock = |begin: f64, step: f64| (0..9).map(|i| begin + step * f64::from(i)).collect::<Vec<f64>>();
+        assert!(are_spreadsheet_days(&clock(45_413.520_833, 0.01 / 86_400.0)));
+        assert!(!are_spreadsheet_days(&clock(45_413.5, 0.01)) && !are_spreadsheet_days(&clock(0.5, 1e-7)));
+        assert!(!are_spreadsheet_days(&[]));
+    }
 
     #[test]
     fn dates_with_and_without_an_offset_and_times_of_day_are_read() {

@@ -3,7 +3,7 @@
 use crate::card::{LogColumn, Unit, dimension_of};
 
 /// Spellings of units.
-const SPELLINGS: [(&str, Unit); 24] = [
+const SPELLINGS: [(&str, Unit); 26] = [
     ("s", Unit::Second),
     ("sec", Unit::Second),
     ("seconds", Unit::Second),
@@ -14,6 +14,8 @@ const SPELLINGS: [(&str, Unit); 24] = [
     ("µs", Unit::Microsecond),
     ("μs", Unit::Microsecond),
     ("microseconds", Unit::Microsecond),
+    ("day", Unit::Day),
+    ("days", Unit::Day),
     ("Pa", Unit::Pascal),
     ("pa", Unit::Pascal),
     ("mbar", Unit::Millibar),
