@@ -3,7 +3,13 @@
 //! A point that was set far away, two markers that change places and frames in another order all move a marker farther from one frame to
 //! the next, or change the distance of neighbours more, than a body does.
 
+mod error;
+mod frames;
+
+pub use error::ImportedError;
+
 use crate::klt::{Observation, Settings, fill_gaps};
+use frames::{check_frozen, check_order};
 use si::Point2;
 
 /// A marker, in pixels or in metres.
@@ -58,75 +64,6 @@ impl Limits {
     }
 }
 
-/// A track that no marker of a body has.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ImportedError {
-    /// A step that is too long.
-    #[error(
-        "marker `{marker}` moves by {measured:.4} {unit} before frame {frame}\n  why: the limit is {limit:.4} {unit} a frame ({source_of_limit})\n  do:  look at that frame: correct the point, names that were exchanged, or the order of frames, and export again"
-    )]
-    Step {
-        /// Its name.
-        marker: String,
-        /// The frame of the longer step.
-        frame: usize,
-        /// Its length a frame.
-        measured: f64,
-        /// The limit.
-        limit: f64,
-        /// Their unit.
-        unit: &'static str,
-        /// Where the limit comes from.
-        source_of_limit: &'static str,
-    },
-    /// A distance that changes too much.
-    #[error(
-        "the distance of markers `{marker}` and `{other}` changes by {measured:.2} of it before frame {frame}\n  why: the limit is {limit:.2} ({source_of_limit}); they sit on one body\n  do:  look at that frame: correct the point, or names that were exchanged, and export again"
-    )]
-    NeighbourDistance {
-        /// Its name.
-        marker: String,
-        /// The name of its neighbour.
-        other: String,
-        /// The frame after the change.
-        frame: usize,
-        /// The change, as a share.
-        measured: f64,
-        /// The limit.
-        limit: f64,
-        /// Where the limit comes from.
-        source_of_limit: &'static str,
-    },
-    /// Frames whose order is none of a motion.
-    #[error(
-        "the frames do not follow each other: markers lie {spread:.4} {unit} from their means, and move by {step:.4} {unit} from one frame to the next\n  why: the mean square of half a step is {ratio:.2} of that of the spread; the limit is {DISORDER}, that of a beat of five frames, and shuffled frames have 1\n  do:  export the frames in the order of the film"
-    )]
-    Order {
-        /// Root of the mean squared distance from the mean.
-        spread: f64,
-        /// Root of the mean squared step.
-        step: f64,
-        /// Their unit.
-        unit: &'static str,
-        /// Von Neumann's ratio, half of it.
-        ratio: f64,
-    },
-    /// A marker that is lost for too long, or at an end.
-    #[error(
-        "marker `{marker}` has no place in {frames} frames from frame {frame} on\n  why: up to {limit} frames are filled, between frames in which it is seen\n  do:  export a position of every marker on the card in the first and last frame and all but short gaps, or let the film be tracked here"
-    )]
-    Gap {
-        /// Its name.
-        marker: String,
-        /// The first frame without it.
-        frame: usize,
-        /// How many they are.
-        frames: usize,
-        /// The limit.
-        limit: usize,
-    },
-}
-
 /// Checks tracks of the same frames, and fills the frames in which a marker is lost.
 ///
 /// # Errors
@@ -142,43 +79,9 @@ pub fn check_tracks(tracks: &mut [ImportedTrack], limits: &Limits) -> Result<(),
         }
     }
     check_order(tracks, limits.unit)?;
+    (0..tracks.len()).try_for_each(|marker| check_frozen(tracks, marker, limits.unit))?;
     tracks.iter_mut().for_each(|track| fill_gaps(&mut track.seen));
     Ok(())
-}
-
-/// Von Neumann's ratio that is refused, halved: that of a beat of five frames. Of values in random order it is 1.
-const DISORDER: f64 = 0.75;
-/// Frames that give the ratio: of sixty in random order it scatters by 0.13.
-const ENOUGH: usize = 60;
-/// The spread exceeds the standard deviation of a place by so many times: below, what is seen may be noise, whose order nobody knows.
-const MOVED: f64 = 5.0;
-
-/// Refuses frames of a slow motion in random order, which pass the gate of steps: their steps are as long as the motion itself.
-fn check_order(tracks: &[ImportedTrack], unit: &'static str) -> Result<(), ImportedError> {
-    if tracks.iter().any(|track| track.seen.len() < ENOUGH) {
-        return Ok(());
-    }
-    let mean_square = |values: Vec<f64>| values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64;
-    let of_all = |value: &dyn Fn(&[Observation]) -> Vec<f64>| {
-        tracks.iter().map(|track| mean_square(value(&track.seen))).sum::<f64>() / tracks.len().max(1) as f64
-    };
-    let steps = of_all(&|seen| {
-        seen.windows(2).filter(|p| p[0].seen && p[1].seen).map(|p| distance(p[0].at, p[1].at)).collect()
-    });
-    let spread = of_all(&from_mean);
-    let noise = of_all(&|seen| seen.iter().map(|s| (s.covariance[0][0] + s.covariance[1][1]).sqrt()).collect());
-    let ratio = 0.5 * steps / spread.max(f64::MIN_POSITIVE);
-    if spread > MOVED * MOVED * noise && ratio > DISORDER {
-        return Err(ImportedError::Order { spread: spread.sqrt(), step: steps.sqrt(), unit, ratio });
-    }
-    Ok(())
-}
-
-/// Distances of the places that are seen from their mean.
-fn from_mean(seen: &[Observation]) -> Vec<f64> {
-    let places: Vec<Point2> = seen.iter().filter(|seen| seen.seen).map(|seen| seen.at).collect();
-    let mean = [0, 1].map(|k| places.iter().map(|at| at[k]).sum::<f64>() / places.len().max(1) as f64);
-    places.iter().map(|at| distance(*at, mean)).collect()
 }
 
 fn check_gaps(track: &ImportedTrack, limit: usize) -> Result<(), ImportedError> {
@@ -304,6 +207,23 @@ mod tests {
         let said = check(&order, 10.0).unwrap_err().to_string();
         assert!(said.contains("do not follow each other") && said.contains("the order of the film"), "{said}");
         assert_eq!(check(&order, 0.5), Ok(()), "what may be noise has no order");
+    }
+
+    #[test]
+    fn a_place_that_is_repeated_while_the_others_move_is_refused_and_turning_points_are_not() {
+        let said = refused(|tracks| {
+            let held = tracks[1].seen[20];
+            tracks[1].seen[20..44].iter_mut().for_each(|seen| seen.at = held.at);
+            let after = tracks[1].seen[44].at;
+            // the gate of steps sees a leap back: it comes back slowly
+            let blend = |a: f64, b: f64, share: f64| a + share * (b - a);
+            (44..50).for_each(|k| tracks[1].seen[k].at[1] = blend(held.at[1], after[1], (k - 43) as f64 / 7.0));
+        });
+        assert!(said.contains("`m2` stands at the very same place in 24 frames from frame 20 on"), "{said}");
+        assert!(said.contains("`m3` moves by"), "{said}");
+        let mut rounded = swinging();
+        rounded.iter_mut().flat_map(|track| &mut track.seen).for_each(|seen| seen.at = seen.at.map(f64::round));
+        assert_eq!(check_tracks(&mut rounded, &LIMITS), Ok(()), "the first does not move, the others turn");
     }
 
     #[test]
