@@ -112,6 +112,8 @@ pub enum PlanForm<'a> {
     Schedule(&'a [usize]),
     /// The records that would be made.
     Records,
+    /// The same for a program.
+    Json,
     /// The graph as a tree.
     Tree,
     /// The graph as a drawing in a file.
@@ -119,11 +121,12 @@ pub enum PlanForm<'a> {
 }
 
 impl<'a> PlanForm<'a> {
-    /// By the options of the command line; a schedule comes before times, and these before a graph.
-    pub fn chosen(times: bool, schedule: &'a [usize], graph: Option<&'a Option<PathBuf>>) -> Self {
+    /// By the options of the command line, of which one is given at most.
+    pub fn chosen([times, json]: [bool; 2], schedule: &'a [usize], graph: Option<&'a Option<PathBuf>>) -> Self {
         match graph {
             _ if !schedule.is_empty() => Self::Schedule(schedule),
             _ if times => Self::Times,
+            _ if json => Self::Json,
             None => Self::Records,
             Some(None) => Self::Tree,
             Some(Some(file)) => Self::Drawing(file),
@@ -142,6 +145,7 @@ pub fn show_plan(place: &Place, goal: &Goal, form: &PlanForm) -> Result<bool> {
         PlanForm::Times => output::line(runner.times(goal)?),
         PlanForm::Schedule(workers) => output::line(runner.schedule(goal, workers)?),
         PlanForm::Records => output::line(runner.plan(goal)?),
+        PlanForm::Json => output::line(runner.plan_json(goal)?),
         PlanForm::Tree => output::line(runner.tree(goal)?),
         PlanForm::Drawing(file) => std::fs::write(file, study::plan_svg(&runner, goal)?).map_err(|e| {
             Diagnostic::new(format!("{} cannot be written", file.display()), e, "choose another place for the drawing")

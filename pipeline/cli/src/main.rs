@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use cli::commands::{self, PlanForm};
 use cli::options::{Checked, Cli, Command, Exported, Place};
+use cli::shell;
 
 use diagnostics::{Result, next_move, output, processor};
 use simulate::RunOptions;
@@ -56,8 +57,8 @@ fn run_command(cli: &Cli) -> Result<bool> {
         Command::Make { records } => commands::make_records(place, records),
         Command::Publish { names } => commands::publish_exhibits(place, &goal_of(names, &None)),
         Command::Page => commands::write_page(place),
-        Command::Plan { names, specimen, graph, schedule, times } => {
-            let form = PlanForm::chosen(*times, schedule, graph.as_ref());
+        Command::Plan { names, specimen, graph, schedule, times, json } => {
+            let form = PlanForm::chosen([*times, *json], schedule, graph.as_ref());
             commands::show_plan(place, &goal_of(names, specimen), &form)
         }
         Command::Why { name } => commands::explain_entry(place, name),
@@ -89,6 +90,8 @@ fn run_export(place: &Place, what: &Exported) -> Result<bool> {
             commands::export_snakemake(place, folder.as_ref(), &goal_of(only, &None), *marks)
         }
         Exported::Twin { name, folder } => commands::export_twin(place, name, folder.as_deref()),
+        Exported::Completions { shell } => Ok(shell::print_completions(*shell)),
+        Exported::Manual { folder } => shell::write_manual(folder),
     }
 }
 

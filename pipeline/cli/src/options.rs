@@ -110,6 +110,9 @@ pub enum Command {
         /// Show instead what the records of each stage took when they were made, and how many are left.
         #[arg(long, conflicts_with_all = ["graph", "schedule"])]
         times: bool,
+        /// Print instead one JSON array for a program: an object a record with what it reads, and whether and why it would be made.
+        #[arg(long, conflicts_with_all = ["graph", "schedule", "times"])]
+        json: bool,
     },
     /// Report the inputs of each record of a stage.
     Why {
@@ -366,6 +369,16 @@ pub enum Exported {
         name: String,
         /// Folder, instead of twin/NAME in the folder of the profile.
         folder: Option<PathBuf>,
+    },
+    /// Completions of this command line for a shell, on standard output.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+    /// Manual pages of the program and of each command.
+    Manual {
+        /// Folder for the pages.
+        folder: PathBuf,
     },
 }
 

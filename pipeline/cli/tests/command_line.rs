@@ -35,3 +35,32 @@ fn a_body_that_is_stable_throughout_is_not_said_to_snap() {
     assert!(done.status.success() && lines.contains("level 1: moved"), "{lines}");
     assert!(lines.contains("the search met unstable shapes") && !lines.contains("snapped"), "{lines}");
 }
+
+#[test]
+fn completions_and_manual_pages_know_every_command() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("manual");
+    let _ = std::fs::remove_dir_all(&folder);
+    let export = |arguments: &[&str]| {
+        let done =
+            std::process::Command::new(env!("CARGO_BIN_EXE_study")).arg("export").args(arguments).output().unwrap();
+        assert!(done.status.success(), "{done:?}");
+        String::from_utf8(done.stdout).unwrap()
+    };
+    let help = std::process::Command::new(env!("CARGO_BIN_EXE_study")).arg("--help").output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    // a continued description is indented further than the names
+    let commands = listed.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
+    let completions = export(&["completions", "bash"]);
+    export(&["manual", folder.to_str().unwrap()]);
+    let names: Vec<&str> = commands.filter(|name| *name != "help").collect();
+    assert!(names.contains(&"simulate") && names.len() > 15, "{names:?}");
+    for name in names {
+        assert!(
+            completions.contains(&format!("study__subcmd__{name}")) || completions.contains(&format!("study__{name}")),
+            "{name}"
+        );
+        let page = std::fs::read_to_string(folder.join(format!("study-{name}.1"))).unwrap();
+        assert!(page.contains(".SH DESCRIPTION") || page.contains(".SH SYNOPSIS"), "{page}");
+    }
+}

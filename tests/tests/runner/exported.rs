@@ -120,3 +120,17 @@ fn a_run_that_may_use_no_memory_makes_one_record_after_the_other() {
     (runner.options.memory, runner.options.jobs) = (Some(0.0), None);
     assert_eq!(study::run(&runner, &Goal::default(), false).unwrap(), summary(3, 0, 0, 0));
 }
+
+#[test]
+fn a_plan_for_a_program_has_each_record_with_what_it_reads() {
+    let project = Project::new("plan_json");
+    project.run(SETTINGS);
+    let changed = SETTINGS.replace("[halved]\nstep = 1", "[halved]\nstep = 2");
+    let plan = project.runner(&changed).plan_json(&Goal::default()).unwrap();
+    let plan: Vec<serde_json::Value> = serde_json::from_str(&plan).unwrap();
+    let of = |record: &str| plan.iter().find(|planned| planned["record"] == record).unwrap();
+    assert_eq!((plan.len(), &of("letters/fish")["kept"]), (3, &serde_json::json!(true)));
+    let halved = of("halved/fish");
+    assert_eq!(halved["reads"], serde_json::json!(["letters/fish"]));
+    assert!(halved["kept"] == false && halved["why"].as_str().unwrap().contains("was 1 and is 2"), "{halved}");
+}

@@ -209,6 +209,15 @@ impl<U: Universe> Runner<U> {
         Ok(text)
     }
 
+    /// The same as JSON: `record`, `stage`, `subject`, `kept`, `why` and `reads` of each record.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn plan_json(&self, goal: &Goal) -> Result<String> {
+        let text = plan::plan_json(self, &self.jobs_of(goal)?);
+        text.map_err(|e| Diagnostic::new("the plan cannot be written as JSON", e, "take the plan in words"))
+    }
+
     /// How long all records of the goal would take with each of these numbers of workers, and the longest chain, from measured durations.
     ///
     /// # Errors

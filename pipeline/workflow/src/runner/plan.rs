@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::Runner;
 use super::graph::Job;
@@ -30,6 +31,36 @@ pub(crate) fn plan_text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Str
     let stale = actions.iter().filter(|action| !action.keeps()).count();
     lines.push(format!("{} of {} records would be made", stale, jobs.len()));
     lines.join("\n")
+}
+
+/// A record of a plan, as another program reads it.
+#[derive(Serialize)]
+struct PlannedRecord<'a> {
+    /// As `study make` takes it.
+    record: String,
+    stage: &'a str,
+    subject: String,
+    /// Whether a run would keep it.
+    kept: bool,
+    /// As the plan in words has it.
+    why: String,
+    /// The records that it reads.
+    reads: Vec<String>,
+}
+
+/// The plan as JSON, an object a record in the order in which a run would make them.
+pub(crate) fn plan_json<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> serde_json::Result<String> {
+    let actions = judge_jobs(runner, jobs).actions;
+    let planned = |(job, action): (&Job<U>, &Action)| PlannedRecord {
+        record: job.id.to_string(),
+        stage: job.id.stage,
+        subject: job.id.subject.to_string(),
+        kept: action.keeps(),
+        why: action.in_words(),
+        reads: job.reads().iter().map(|id| id.to_string()).collect(),
+    };
+    // length: an action for each job
+    serde_json::to_string_pretty(&jobs.iter().zip(&actions).map(planned).collect::<Vec<_>>())
 }
 
 /// The names of the records that would be made.
