@@ -9,7 +9,7 @@
 //! | columns over a triangulated plan | [`stack`] |
 //! | ten-node elements | [`quadratic`] |
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
-//! | material points on the skin | [`embed`] |
+//! | material points on the skin, means over painted marks | [`embed`], [`embed_mark`] |
 //! | volumes and centroids of chambers | [`cavities`] |
 //! | dent and bulge of a moved tail's walls | [`wall`] |
 //! | the same as a camera above sees them | [`silhouette`] |
@@ -66,7 +66,7 @@ pub use cavities::{Cavity, cavities};
 pub use choice::{Chosen, ElementChoice, ElementName, mesh_assembly, mesh_chosen};
 pub(crate) use columns::mesh_in_hexahedra;
 pub use columns::{Grading, LayeredBody, MeshError, Settings, Slab, layers_in_hexahedra, mesh, mesh_without_sheet};
-pub use embed::{Spot, embed};
+pub use embed::{Spot, embed, embed_mark};
 pub(crate) use general::mesh_general;
 pub use measures::{Interface, Measures, RegionMeasures};
 pub use method::Method;

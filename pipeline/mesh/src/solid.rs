@@ -1,6 +1,6 @@
 //! Solids: a mesh of linear or quadratic elements.
 
-use crate::embed::{Spot, embed, embed_linear};
+use crate::embed::{Spot, embed, embed_linear, embed_mark};
 use crate::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin, SkinFace, TetMesh, quadratic};
 use si::{Metre, Point3};
 
@@ -83,8 +83,16 @@ impl Solid {
     /// The point of the outer skin nearest to `at` (m), and how far away it is (m), as [`crate::embed`] finds it.
     pub fn embed(&self, at: Point3) -> (Spot, Metre) {
         match self {
-            Self::Linear(mesh) => embed_linear(mesh, at),
+            Self::Linear(mesh) => embed_linear(mesh, at, None),
             Self::Quadratic(mesh) => embed(mesh, at),
+        }
+    }
+
+    /// The mean over a disc about `centre` (m) on the outer skin, as [`crate::embed_mark`] finds it; without a diameter (m) the nearest point.
+    pub fn embed_mark(&self, centre: Point3, diameter: Option<Metre>) -> (Spot, Metre) {
+        match self {
+            Self::Linear(mesh) => embed_linear(mesh, centre, diameter),
+            Self::Quadratic(mesh) => embed_mark(mesh, centre, diameter),
         }
     }
 }

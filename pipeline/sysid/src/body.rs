@@ -2,7 +2,7 @@
 
 use lab::card::{Card, Clamp, Part};
 use serde::Serialize;
-use si::{KilogramPerCubicMetre, Metre, Pascal, Point3};
+use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3};
 
 /// One solid's material.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,6 +36,8 @@ pub struct Body {
     pub length: Metre,
     /// Where the markers are on the undeformed body, m.
     pub markers: Vec<Point3>,
+    /// Their diameters, m; none of a marker that is a point.
+    pub marker_diameters: Vec<Option<Metre>>,
 }
 
 impl Body {
@@ -46,7 +48,16 @@ impl Body {
             clamp: card.clamp.clone(),
             length: card.length,
             markers: card.marker.iter().map(|m| m.at).collect(),
+            marker_diameters: card.marker.iter().map(|m| m.diameter).collect(),
         }
+    }
+
+    /// Places (m) and diameters (m) of the markers at their measured positions at rest (m, in the plane): the camera sees no height, and that of
+    /// the card stays.
+    pub fn marks_at<'a>(&'a self, rest: &'a [Point2]) -> impl Iterator<Item = (Point3, Option<Metre>)> + 'a {
+        // length: a diameter for each marker, and a measured place for each of the card
+        let marks = self.markers.iter().zip(&self.marker_diameters).zip(rest);
+        marks.map(|((at, diameter), [x, y])| ([*x, *y, at[2]], *diameter))
     }
 
     /// The markers from the clamp to the tip.

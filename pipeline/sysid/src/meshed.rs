@@ -118,18 +118,18 @@ impl Meshed {
         })
     }
 
-    /// Markers, by name and place (m), as material points, and the largest distance of one from the skin, m.
+    /// Markers, by name, place (m) and diameter (m), as means over their discs, and the largest distance of one from the skin, m.
     ///
     /// # Errors
     /// A [`Diagnostic`] when one lies farther from the skin than `limit` (m).
     pub fn markers<'a>(
         &self,
-        markers: impl Iterator<Item = (&'a str, Point3)>,
+        markers: impl Iterator<Item = (&'a str, Point3, Option<Metre>)>,
         limit: Metre,
     ) -> Result<(Vec<Spot>, Metre)> {
         let (mut spots, mut worst) = (Vec::new(), 0.0_f64);
-        for (name, position) in markers {
-            let (spot, distance) = mesh::embed(&self.solid, position);
+        for (name, position, diameter) in markers {
+            let (spot, distance) = mesh::embed_mark(&self.solid, position, diameter);
             if distance > limit {
                 return Err(Diagnostic::new(
                     format!("marker `{name}` at {} is not on the skin", format_millimetres(position)),

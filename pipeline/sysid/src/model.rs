@@ -131,11 +131,10 @@ impl Model {
 
     /// The model with its markers at their measured positions at rest (m, in the plane) instead of the card's.
     ///
-    /// A marker beside its nominal position moves with the material at its actual position.
+    /// A marker beside its nominal position moves with the material at its actual position; a mark is tracked by its centroid.
     pub fn with_markers_at(self, mesh: &QuadraticMesh, body: &Body, rest: &[Point2]) -> Self {
-        // The camera sees no height: that of the card stays.
-        let spot = |(marker, position): (&Point3, &Point2)| mesh::embed(mesh, [position[0], position[1], marker[2]]).0;
-        Self { markers: body.markers.iter().zip(rest).map(spot).collect(), ..self }
+        let spot = |(centre, diameter)| mesh::embed_mark(mesh, centre, diameter).0;
+        Self { markers: body.marks_at(rest).map(spot).collect(), ..self }
     }
 
     /// The model whose walls pass through each other.

@@ -188,7 +188,13 @@ mod tests {
             plausible: [0.5 * youngs_modulus, 2.0 * youngs_modulus],
         };
         let materials = vec![material("body", 2e5), material("spine", 1e6)];
-        Body { materials, clamp: lab::card::Clamp::below(0.0), length: 0.1, markers: Vec::new() }
+        Body {
+            materials,
+            clamp: lab::card::Clamp::below(0.0),
+            length: 0.1,
+            markers: Vec::new(),
+            marker_diameters: Vec::new(),
+        }
     }
 
     /// Three observations of ln E₁, ln E₂ and their sum: JᵀJ = [2 1; 1 2], whose inverse is [2 −1; −1 2] / 3.

@@ -122,8 +122,14 @@ mod tests {
             plausible: [1e5, 1e6],
         };
         let markers = vec![[0.05, 0.0, 0.02], [0.08, 0.0, 0.02]];
-        let body =
-            Body { materials: vec![soft.clone(), soft], clamp: lab::card::Clamp::below(0.01), length: 0.1, markers };
+        let marker_diameters = vec![None; markers.len()];
+        let body = Body {
+            materials: vec![soft.clone(), soft],
+            clamp: lab::card::Clamp::below(0.01),
+            length: 0.1,
+            markers,
+            marker_diameters,
+        };
         (body, mesh::quadratic(&mesh))
     }
 

@@ -49,7 +49,7 @@ pub struct Card {
     /// Whether there is a mesh file in place of surfaces.
     meshed: bool,
     chambers: Vec<Point>,
-    markers: Vec<Point>,
+    markers: Vec<Mark>,
     /// The surface of the mesh that is clamped, where the card names one.
     clamped: Option<String>,
     /// Whether a trial drives a chamber on one side of z = 0 without that on the other: no half is then meshed.
@@ -71,6 +71,16 @@ impl Card {
     }
 }
 
+/// A marker of the card.
+#[derive(Debug, Clone, Serialize)]
+struct Mark {
+    name: String,
+    /// Its place, m.
+    at: Point3,
+    /// m; none of a point.
+    diameter: Option<Metre>,
+}
+
 /// A named point of the card, m.
 #[derive(Debug, Clone, Serialize)]
 struct Point {
@@ -86,10 +96,16 @@ impl Part<Specimen> for Card {
             solids: NamedRegion::all(&card.solid),
             meshed: card.solid.mesh.is_some(),
             chambers: card.chamber.iter().map(|c| Point { name: c.name.clone(), at: c.at }).collect(),
-            markers: card.marker.iter().map(|m| Point { name: m.name.clone(), at: m.at }).collect(),
+            markers: card.marker.iter().map(Mark::of).collect(),
             clamped: card.clamp.surface.clone(),
             sided: is_sided(card),
         }
+    }
+}
+
+impl Mark {
+    fn of(marker: &card::Marker) -> Self {
+        Self { name: marker.name.clone(), at: marker.at, diameter: marker.diameter }
     }
 }
 
@@ -106,7 +122,7 @@ impl Stage for Mesh {
     type Needs = ();
     type Makes = records::Mesh;
     const DESCRIPTION: &'static str = "elements with chambers and markers, from surfaces or from a mesh file";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let (name, solid) = (&of.card.name, &of.card.solid);
@@ -143,7 +159,7 @@ pub(super) fn specimen_mesh(
     };
     let chambers = chamber_cavities(card, &meshed_body)?;
     let (markers, marker_distance_m) =
-        meshed_body.markers(card.markers.iter().map(|m| (m.name.as_str(), m.at)), marker_limit)?;
+        meshed_body.markers(card.markers.iter().map(|m| (m.name.as_str(), m.at, m.diameter)), marker_limit)?;
     let clamped = card.clamped.as_deref().map_or(Ok(Vec::new()), |surface| meshed_body.clamped(surface))?;
     let quality = Quality {
         dofs: 3 * meshed_body.solid.nodes.len(),

@@ -118,7 +118,7 @@ fn model_on_mesh(body: &Body, mesh: &Mesh, nodes: usize, identified: &Identified
     let quadratic = Solid::Quadratic(mesh.solid.clone());
     let solid = if nodes == 4 { Solid::Linear(quadratic.to_linear()) } else { quadratic };
     let rest_positions = identified.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
-    let spots = body.markers.iter().zip(&rest_positions).map(|(m, at)| solid.embed([at[0], at[1], m[2]]).0);
+    let spots = body.marks_at(&rest_positions).map(|(centre, diameter)| solid.embed_mark(centre, diameter).0);
     Model::new(&solid, Attached { chambers: &mesh.skin_codes(), clamped: &[] }, spots.collect(), body)
 }
 

@@ -52,7 +52,8 @@ impl Specimen {
             plausible: [0.5 * youngs_modulus, 2.0 * youngs_modulus],
         };
         let materials = vec![material("body", 2.3e5, 0.487, 1070.0), material("spine", 3e9, 0.37, 1410.0)];
-        let body = Body { materials, clamp: Clamp::below(4e-3), length: LENGTH, markers };
+        let marker_diameters = vec![None; markers.len()];
+        let body = Body { materials, clamp: Clamp::below(4e-3), length: LENGTH, markers, marker_diameters };
         let (wet, stations) = Outline::new(&body, &solid).whole(998.0, SECTIONS)?;
         let spots = body.markers.iter().map(|at| mesh::embed(&solid, *at).0).collect();
         let model = Model::new(&Solid::Quadratic(solid), Attached { chambers: &[0, 1], clamped: &[] }, spots, &body)?
