@@ -15,11 +15,11 @@
     tail.tip = number(tail.marker);
     tail.stations = [];
     for (let i = 0; number("station" + i)[0] >= 0; i++) tail.stations.push(number("station" + i));
-    tellSliders();
+    updateSliderLabels();
     restart();
   }
 
-  function tellSliders() {
+  function updateSliderLabels() {
     ask("pressure").textContent = `${(tail.highest * ask("amplitude").value / 100).toFixed(0)} mbar`;
     ask("hertz").textContent = `${Number(ask("frequency").value).toFixed(1)} Hz`;
   }
@@ -106,7 +106,7 @@
   data.forEach((one, i) => ask("name").add(new Option(one.name, i)));
   ask("name").onchange = (e) => choose(Number(e.target.value));
   ask("recorded").onchange = restart;
-  ask("amplitude").oninput = ask("frequency").oninput = tellSliders;
+  ask("amplitude").oninput = ask("frequency").oninput = updateSliderLabels;
   ask("play").onclick = () => {
     playing = !playing;
     ask("play").textContent = playing ? "stop" : "play";
