@@ -45,8 +45,8 @@ impl Arms {
         if case.mesh.body.is_some() {
             case.mesh.edge = Some(joint.edge);
         }
-        let place = mesh_folder(&page, &case, [root, folder])?;
-        let loaded = simulate::load(&case, &place)?;
+        let surface_folder = mesh_folder(&page, &case, [root, folder])?;
+        let loaded = simulate::load(&case, &surface_folder)?;
         let body = |material: &&'static str| {
             let mut case = case.clone();
             case.region[0].material = (*material).to_owned();
@@ -144,26 +144,27 @@ impl Test for Arms {
         let points = self.hold_points(at, recording)?;
         let mut ambient = points[0];
         ambient[PRESSURE] = 0.0;
-        let rest = remembered_shape(body, &ambient, memory)?;
+        let ambient_shape = remembered_shape(body, &ambient, memory)?;
         let shape = remembered_shape(body, &points[0], memory)?;
         // Displacements count from the place at ambient pressure, which moves with the constants, and not with the
         // pressure.
-        let slopes: Point =
-            std::array::from_fn(|k| if k == PRESSURE { shape.slopes[k] } else { shape.slopes[k] - rest.slopes[k] });
+        let slopes: Point = std::array::from_fn(|k| {
+            if k == PRESSURE { shape.slopes[k] } else { shape.slopes[k] - ambient_shape.slopes[k] }
+        });
         let tip = |points: [Point; 2]| {
             points.map(|point| {
                 let change: f64 = (0..5).map(|k| slopes[k] * (point[k] - shape.at[k])).sum();
-                1e3 * (shape.tip - rest.tip + change)
+                1e3 * (shape.tip - ambient_shape.tip + change)
             })
         };
         let values = tip(points);
         let mut gradients = [Vec::new(), Vec::new()];
         for p in 0..at.shared.len() + at.own.len() {
             let (mut shared, mut own) = (at.shared.to_vec(), at.own.to_vec());
-            let moved = if p < shared.len() { &mut shared[p] } else { &mut own[p - at.shared.len()] };
-            *moved += STEP;
-            let moved = tip(self.hold_points(&Place { law: at.law, shared: &shared, own: &own }, recording)?);
-            (0..2).for_each(|n| gradients[n].push((moved[n] - values[n]) / STEP));
+            let parameter = if p < shared.len() { &mut shared[p] } else { &mut own[p - at.shared.len()] };
+            *parameter += STEP;
+            let perturbed = tip(self.hold_points(&Place { law: at.law, shared: &shared, own: &own }, recording)?);
+            (0..2).for_each(|n| gradients[n].push((perturbed[n] - values[n]) / STEP));
         }
         let [early, late] = gradients;
         Ok(vec![Predicted { value: values[0], gradient: early }, Predicted { value: values[1], gradient: late }])

@@ -49,10 +49,10 @@ impl Bars {
         let models = |case: &String| -> Result<Vec<(&'static str, condition::Condition)>> {
             let file = folder.join(case);
             let trained = condition::Condition::new(&page, &file, None)?;
-            let with = |material: &&'static str| {
+            let material_model = |material: &&'static str| {
                 Ok((*material, condition::Condition::of_material(&page, &file, material, Basis::Of(&trained))?))
             };
-            materials.iter().map(with).collect()
+            materials.iter().map(material_model).collect()
         };
         let models = cases.par_iter().map(models).collect::<Result<_>>()?;
         let conditions =
@@ -100,8 +100,8 @@ fn measured_condition(page: &Page, recorded: &[Recorded], members: &[usize]) -> 
             quantities.push(Quantity { name, unit, measured: Some(features[n]), sigma: SIGMAS[n] });
         }
     }
-    let first = members.first().copied().unwrap_or_default();
-    let name = page.recording[first].name().trim_end_matches(['_', 'a', 'b', 'c']).to_owned();
+    let first_member = members.first().copied().unwrap_or_default();
+    let name = page.recording[first_member].name().trim_end_matches(['_', 'a', 'b', 'c']).to_owned();
     let level = quantities[1].measured.unwrap_or_default().abs();
     // repeats that a page holds out of its own fits are data of the same condition; one of which nothing is fitted is predicted
     let fitted = members.iter().any(|k| page.recording[*k].fitted);

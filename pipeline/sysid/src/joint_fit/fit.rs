@@ -62,21 +62,21 @@ pub(super) struct Fitted {
 impl Fit<'_> {
     /// Shared parameters, then those of each test.
     pub fn parameters(&self) -> Vec<Parameter> {
-        let own = self.tests.iter().flat_map(|test| {
-            let named = |parameter: Parameter| Parameter {
+        let test_parameters = self.tests.iter().flat_map(|test| {
+            let with_test_name = |parameter: Parameter| Parameter {
                 name: format!("{} of {}", parameter.name, test.name()),
                 ..parameter
             };
-            test.parameters().into_iter().map(named).collect::<Vec<_>>()
+            test.parameters().into_iter().map(with_test_name).collect::<Vec<_>>()
         });
-        self.law.parameters().into_iter().chain(own).collect()
+        self.law.parameters().into_iter().chain(test_parameters).collect()
     }
 
     /// The first of a test's own parameters, and their number.
     fn own_parameters(&self, test: usize) -> (usize, usize) {
         let count = |test: &dyn Test| test.parameters().len();
-        let before: usize = self.tests[..test].iter().map(|test| count(test.as_ref())).sum();
-        (self.law.parameters().len() + before, count(self.tests[test].as_ref()))
+        let preceding: usize = self.tests[..test].iter().map(|test| count(test.as_ref())).sum();
+        (self.law.parameters().len() + preceding, count(self.tests[test].as_ref()))
     }
 
     /// The start without anything known.
@@ -97,14 +97,14 @@ impl Fit<'_> {
     ) -> Result<Vec<Predicted>> {
         let shared = self.law.parameters().len();
         let (first, count) = self.own_parameters(test);
-        let place = Place { law: self.law, shared: &point[..shared], own: &point[first..first + count] };
+        let test_point = Place { law: self.law, shared: &point[..shared], own: &point[first..first + count] };
         let spread = |predicted: Predicted| {
             let mut gradient = vec![0.0; point.len()];
             gradient[..shared].copy_from_slice(&predicted.gradient[..shared]);
             gradient[first..first + count].copy_from_slice(&predicted.gradient[shared..]);
             Predicted { value: predicted.value, gradient }
         };
-        Ok(self.tests[test].predict_condition(&place, condition, memory)?.into_iter().map(spread).collect())
+        Ok(self.tests[test].predict_condition(&test_point, condition, memory)?.into_iter().map(spread).collect())
     }
 
     /// Residuals of the conditions `used` and of the priors; those of a test are divided by its scale.
@@ -221,8 +221,8 @@ impl Fit<'_> {
                 owners.iter().zip(residuals).filter(|(owner, _)| **owner == test).map(|(_, r)| r * r).collect();
             (!squares.is_empty()).then(|| scales[test] * (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
         };
-        let known: Vec<Option<f64>> = (0..scales.len()).map(rms).collect();
-        let largest = known.iter().flatten().copied().fold(1.0, f64::max);
+        let rms_scales: Vec<Option<f64>> = (0..scales.len()).map(rms).collect();
+        let largest = rms_scales.iter().flatten().copied().fold(1.0, f64::max);
         // Never below one: a test of few quantities that is met by chance would count for more than it was measured to.
         known.into_iter().map(|scale| scale.unwrap_or(largest).max(1.0)).collect()
     }

@@ -99,41 +99,41 @@ impl Inflated {
         let scale = [0.1 * point[0], 0.3, 0.3, 1e-4, 2e3];
         let distance = |shape: &Shape| (0..5).map(|k| ((shape.at[k] - point[k]) / scale[k]).powi(2)).sum::<f64>();
         let nearest = known.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let mut last = match nearest {
+        let mut current = match nearest {
             Some(shape) => Shape::clone(shape),
             None => self.without_pressure(point)?,
         };
         let settings = StaticSettings { max_iterations: ITERATIONS, ..StaticSettings::default() };
-        let (start, mut part, mut step) = (last.at, 0.0, 1.0_f64);
-        if distance(&last) > FAR * FAR {
-            step = FAR / distance(&last).sqrt();
+        let (start, mut part, mut step) = (current.at, 0.0, 1.0_f64);
+        if distance(&current) > FAR * FAR {
+            step = FAR / distance(&current).sqrt();
         }
         while part < 1.0 {
             let next = (part + step).min(1.0);
-            let at: Point = std::array::from_fn(|k| start[k] + next * (point[k] - start[k]));
-            let mut solver = self.solver(&at)?;
-            let predicted = last.predicted(&at);
-            let pressures = self.pressures(at[PRESSURE]);
-            match solver.equilibrium_near(&pressures, &last.displacement, &predicted, &settings) {
+            let path_point: Point = std::array::from_fn(|k| start[k] + next * (point[k] - start[k]));
+            let mut solver = self.solver(&path_point)?;
+            let predicted = current.predicted(&path_point);
+            let pressures = self.pressures(path_point[PRESSURE]);
+            match solver.equilibrium_near(&pressures, &current.displacement, &predicted, &settings) {
                 Ok(found) => {
                     step *= if found.iterations < 7 { 2.0 } else { 1.0 };
-                    last = self.linearise_shape(&mut solver, &at, found)?;
+                    current = self.linearise_shape(&mut solver, &path_point, found)?;
                     part = next;
                 }
                 Err(error) if step < LEAST_STEP => return Err(Diagnostic::from(error)),
                 Err(_) => step *= 0.4,
             }
         }
-        Ok(last)
+        Ok(current)
     }
 
     /// Under its weight alone.
     fn without_pressure(&self, point: &Point) -> Result<Shape> {
-        let mut rest = *point;
-        rest[PRESSURE] = 0.0;
-        let mut solver = self.solver(&rest)?;
-        let found = solver.equilibrium(&self.pressures(0.0), None, &StaticSettings::default())?;
-        self.linearise_shape(&mut solver, &rest, found)
+        let mut ambient = *point;
+        ambient[PRESSURE] = 0.0;
+        let mut solver = self.solver(&ambient)?;
+        let equilibrium = solver.equilibrium(&self.pressures(0.0), None, &StaticSettings::default())?;
+        self.linearise_shape(&mut solver, &ambient, equilibrium)
     }
 
     fn linearise_shape(&self, solver: &mut Solver, point: &Point, found: Equilibrium) -> Result<Shape> {
@@ -156,8 +156,8 @@ impl Inflated {
             // micrometre.
             let step = 1e-6 / largest;
             let side = |step: f64| {
-                let moved: Vec<f64> = found.displacement.iter().zip(change).map(|(u, d)| u + step * d).collect();
-                self.tip(point[WALL] + if k == WALL { step } else { 0.0 }, &moved)
+                let perturbed: Vec<f64> = found.displacement.iter().zip(change).map(|(u, d)| u + step * d).collect();
+                self.tip(point[WALL] + if k == WALL { step } else { 0.0 }, &perturbed)
             };
             *slope = (side(step) - side(-step)) / (2.0 * step);
         }
@@ -166,13 +166,13 @@ impl Inflated {
 
     fn tip(&self, wall: Metre, displacement: &[f64]) -> Metre {
         let mesh = self.system.mesh();
-        let moved: Vec<Point3> = mesh
+        let offset_nodes: Vec<Point3> = mesh
             .nodes
             .iter()
             .zip(self.velocity.chunks_exact(3))
             .map(|(x, v)| [0, 1, 2].map(|axis| x[axis] + wall * v[axis]))
             .collect();
-        let mean: Vector3<f64> = mean_marker_displacement(&self.carried, &moved, displacement);
+        let mean: Vector3<f64> = mean_marker_displacement(&self.carried, &offset_nodes, displacement);
         mean[self.along]
     }
 }
@@ -181,8 +181,8 @@ impl Shape {
     fn predicted(&self, point: &Point) -> Vec<f64> {
         let mut guess = self.displacement.clone();
         for (k, change) in self.changes.iter().enumerate() {
-            let by = point[k] - self.at[k];
-            guess.iter_mut().zip(change).for_each(|(u, d)| *u += by * d);
+            let increment = point[k] - self.at[k];
+            guess.iter_mut().zip(change).for_each(|(u, d)| *u += increment * d);
         }
         guess
     }
@@ -230,8 +230,9 @@ mod tests {
     fn a_planted_offset_of_the_walls_comes_back_with_the_modulus() {
         let body = hollow_box();
         let tips = |point: &Point| {
-            let at = |pressure: f64| body.shape(&[point[0], point[1], point[2], point[3], pressure], &[]).unwrap();
-            [at(8e3), at(1.6e4)]
+            let shape_at =
+                |pressure: f64| body.shape(&[point[0], point[1], point[2], point[3], pressure], &[]).unwrap();
+            [shape_at(8e3), shape_at(1.6e4)]
         };
         let planted = tips(&AT).map(|shape| shape.tip);
         let mut point = [1.1e5, AT[1], AT[2], 0.0, 0.0];
@@ -250,8 +251,8 @@ mod tests {
     #[test]
     fn a_path_from_rest_ends_where_a_nearby_equilibrium_leads() {
         let body = hollow_box();
-        let near = Arc::new(body.shape(&[1.2e5, 2.0, -0.3, 0.0, 7e3], &[]).unwrap());
-        let (far, close) = (body.shape(&AT, &[]).unwrap(), body.shape(&AT, &[near]).unwrap());
+        let nearby_shape = Arc::new(body.shape(&[1.2e5, 2.0, -0.3, 0.0, 7e3], &[]).unwrap());
+        let (far, close) = (body.shape(&AT, &[]).unwrap(), body.shape(&AT, &[nearby_shape]).unwrap());
         assert!((far.tip / close.tip - 1.0).abs() < 1e-6);
     }
 }

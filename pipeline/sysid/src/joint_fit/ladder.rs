@@ -65,8 +65,8 @@ impl Bench<'_> {
                 .map(|c| prediction_interval(&fit, &joint, (t, c), &mut memory))
                 .collect()
         };
-        let all = (0..self.tests.len()).map(&mut predict).collect();
-        let without = |omitted: &Which| {
+        let predictions = (0..self.tests.len()).map(&mut predict).collect();
+        let leave_one_out = |omitted: &Which| {
             let remaining: Vec<Which> = used.iter().copied().filter(|which| which != omitted).collect();
             let start = super::fit::Start {
                 point: joint.point.clone(),
@@ -81,8 +81,8 @@ impl Bench<'_> {
             (self.progress)(&format!("{:<18} {}", law.name, self.left_out_text(*omitted, &predicted)));
             (*omitted, predicted)
         };
-        let left_out = if used.len() > 1 { used.par_iter().map(without).collect() } else { Vec::new() };
-        Ok(LawResult { law, joint, used, all, left_out })
+        let left_out = if used.len() > 1 { used.par_iter().map(leave_one_out).collect() } else { Vec::new() };
+        Ok(LawResult { law, joint, used, all: predictions, left_out })
     }
 }
 
@@ -143,14 +143,14 @@ pub(super) fn supported_law(results: &[LawResult], tests: &[Box<dyn Test>]) -> O
     // logarithm of almost nothing.
     let logarithms = |scores: &Vec<f64>| -> Vec<f64> { scores.iter().map(|score| (1.0 + score).ln()).collect() };
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let known: Vec<(usize, Vec<f64>)> =
+    let law_logarithms: Vec<(usize, Vec<f64>)> =
         scores.iter().enumerate().filter_map(|(k, scores)| Some((k, logarithms(scores.as_ref()?)))).collect();
-    let (_, best) = known.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)))?;
+    let (_, best) = law_logarithms.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)))?;
     let within_error = |scores: &Vec<f64>| {
         let differences: Vec<f64> = scores.iter().zip(best).map(|(score, best)| score - best).collect();
         let (centre, count) = (mean(&differences), differences.len() as f64);
         let scatter: f64 = differences.iter().map(|difference| (difference - centre).powi(2)).sum();
         centre <= (scatter / (count - 1.0).max(1.0) / count).sqrt()
     };
-    known.iter().find(|(_, scores)| within_error(scores)).map(|(k, _)| *k)
+    law_logarithms.iter().find(|(_, scores)| within_error(scores)).map(|(k, _)| *k)
 }

@@ -102,11 +102,11 @@ impl Law {
             Parameter::linear("springpot_exponent", "", 0.25, [0.02, 0.9]),
             Parameter::linear("mass_damping", "1/s", 1.0, [0.0, 20.0]),
         ];
-        let own = self.terms.iter().map(|term| {
+        let law_parameters = self.terms.iter().map(|term| {
             let name = ["c20_over_c10", "c30_over_c10"][term.which];
             Parameter::linear(name, "", term.start, term.range)
         });
-        shared.into_iter().chain(own).collect()
+        shared.into_iter().chain(law_parameters).collect()
     }
 
     /// The material at the `point`.

@@ -84,9 +84,9 @@ fn evaluate(page: Page, root: &Path, path: &Path) -> Result<Report> {
     };
     let tests = page.tests.iter().map(open).collect::<Result<Vec<_>>>()?;
     let progress = |text: &str| output::note(format_args!("{text}"));
-    let all = Bench { tests: &tests, held_out: &page.held_out, progress: &progress }.law_results(&laws);
+    let law_results = Bench { tests: &tests, held_out: &page.held_out, progress: &progress }.law_results(&laws);
     let (mut results, mut refused) = (Vec::new(), Vec::new());
-    for (law, result) in all {
+    for (law, result) in law_results {
         match result {
             Ok(result) => results.push(result),
             Err(cause) => refused.push((law.name, cause.to_string())),
@@ -140,9 +140,12 @@ batch_sigma = 1e-3
         let point = &result.joint.point;
         assert!((point[6] / 2.5 - 1.0).abs() < 0.05, "{point:?}");
         assert!((point[0].exp() / modulus - 1.0).abs() < 0.05, "{point:?}");
-        let beyond = report.tests[0].conditions()[1].quantities[0].measured.unwrap();
+        let extrapolated_stress = report.tests[0].conditions()[1].quantities[0].measured.unwrap();
         let (predicted, width) = &result.all[0][1].as_ref().unwrap()[0];
-        assert!((predicted.value / beyond - 1.0).abs() < 0.02 && (predicted.value - beyond).abs() < *width);
+        assert!(
+            (predicted.value / extrapolated_stress - 1.0).abs() < 0.02
+                && (predicted.value - extrapolated_stress).abs() < *width
+        );
         let text = report.to_string();
         assert!(text.contains("extrapolated") && text.contains("held out"), "{text}");
         assert!(["real_strip.csv", "real_strip_materials.toml", "metrics.json"].iter().all(|f| out.join(f).is_file()));

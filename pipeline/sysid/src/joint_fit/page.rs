@@ -52,11 +52,11 @@ impl Page {
     }
 
     fn check(&self) -> Checked {
-        let known: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
-        if let Some(unknown) = self.laws.iter().find(|name| !known.contains(&name.as_str())) {
+        let law_names: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+        if let Some(unknown) = self.laws.iter().find(|name| !law_names.contains(&name.as_str())) {
             let message = format!("there is no law `{unknown}`");
-            let known = format!("laws: {}", known.join(", "));
-            return violation("laws", message, &known, "correct its name");
+            let available_laws = format!("laws: {}", law_names.join(", "));
+            return violation("laws", message, &available_laws, "correct its name");
         }
         if self.laws.is_empty() || self.tests.is_empty() {
             return violation("", "it names no law or no test", "one of each is fitted", "name them");

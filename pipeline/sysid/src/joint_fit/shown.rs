@@ -58,18 +58,19 @@ impl Line {
 fn beyond_and_linear(report: &Report, used: &[Which], which: Which, n: usize) -> (bool, Option<f64>) {
     let (t, c) = which;
     let conditions = report.tests[t].conditions();
-    let others: Vec<&Condition> =
+    let fitted_conditions: Vec<&Condition> =
         used.iter().filter(|which| which.0 == t && which.1 != c).map(|which| &conditions[which.1]).collect();
     let level = conditions[c].level;
     // a condition that is fitted alone lies within itself
-    let is_alone = others.is_empty() && used.contains(&which);
-    let beyond =
-        !is_alone && (others.iter().all(|other| other.level < level) || others.iter().all(|other| other.level > level));
+    let is_alone = fitted_conditions.is_empty() && used.contains(&which);
+    let is_beyond = !is_alone
+        && (fitted_conditions.iter().all(|other| other.level < level)
+            || fitted_conditions.iter().all(|other| other.level > level));
     let pairs: Vec<(f64, f64)> =
-        others.iter().filter_map(|other| Some((other.level, other.quantities.get(n)?.measured?))).collect();
+        fitted_conditions.iter().filter_map(|other| Some((other.level, other.quantities.get(n)?.measured?))).collect();
     let products: f64 = pairs.iter().map(|(level, value)| level * value).sum();
     let squares: f64 = pairs.iter().map(|(level, _)| level * level).sum();
-    (beyond, (squares > 0.0).then(|| level * products / squares))
+    (is_beyond, (squares > 0.0).then(|| level * products / squares))
 }
 
 /// Every condition as `result` predicts it: left out where it is fitted otherwise.
@@ -145,14 +146,14 @@ fn parameter_table(report: &Report) -> String {
     for result in &report.results {
         let fit = Fit { law: result.law, tests: &report.tests };
         for (p, parameter) in fit.parameters().iter().enumerate() {
-            let place = result.joint.point[p];
-            let deviation = parameter.deviation(place, result.joint.covariance[(p, p)].sqrt());
-            let bound = if parameter.is_on_bound(place) { "yes" } else { "" };
+            let coordinate = result.joint.point[p];
+            let deviation = parameter.deviation(coordinate, result.joint.covariance[(p, p)].sqrt());
+            let bound = if parameter.is_on_bound(coordinate) { "yes" } else { "" };
             let (name, unit) = (&parameter.name, parameter.unit);
             text += &format!(
                 "{},\"{name}\",{unit},{:.6},{deviation:.6},{bound}\n",
                 result.law.name,
-                parameter.value(place)
+                parameter.value(coordinate)
             );
         }
         for (test, scale) in report.tests.iter().zip(&result.joint.scales) {
@@ -178,8 +179,8 @@ fn materials_text(report: &Report) -> Result<String> {
     let law = report.results.iter().map(material).collect::<Result<_>>()?;
     let best = supported_law(&report.results, &report.tests).unwrap_or_default();
     let materials = IdentifiedMaterials { supported: report.results[best].law.name.to_owned(), law };
-    let written = toml::to_string(&materials);
-    written.map_err(|e| Diagnostic::new("the identified materials cannot be written", e, "report this as a bug"))
+    let text = toml::to_string(&materials);
+    text.map_err(|e| Diagnostic::new("the identified materials cannot be written", e, "report this as a bug"))
 }
 
 /// Absolute errors of the supported law at every condition that was left out or held out, and the share of its intervals that hold.
@@ -222,10 +223,10 @@ impl fmt::Display for Report {
 fn write_parameters(f: &mut fmt::Formatter<'_>, report: &Report, result: &LawResult) -> fmt::Result {
     let fit = Fit { law: result.law, tests: &report.tests };
     for (p, parameter) in fit.parameters().iter().enumerate() {
-        let place = result.joint.point[p];
-        let deviation = parameter.deviation(place, result.joint.covariance[(p, p)].sqrt());
-        let bound = if parameter.is_on_bound(place) { ", on the end of its range: not identified" } else { "" };
-        let (name, unit, value) = (&parameter.name, parameter.unit, parameter.value(place));
+        let coordinate = result.joint.point[p];
+        let deviation = parameter.deviation(coordinate, result.joint.covariance[(p, p)].sqrt());
+        let bound = if parameter.is_on_bound(coordinate) { ", on the end of its range: not identified" } else { "" };
+        let (name, unit, value) = (&parameter.name, parameter.unit, parameter.value(coordinate));
         writeln!(f, "    {name} {value:.5} ± {deviation:.5} {unit}{bound}")?;
     }
     Ok(())

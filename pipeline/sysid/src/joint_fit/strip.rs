@@ -35,8 +35,8 @@ impl Strip {
         let page = Page::read(path)?;
         let pull = page.recording(root)?;
         let [least, largest] = page.fitted;
-        let even = |k: usize| least + k as f64 / (POINTS - 1) as f64 * (largest - least);
-        let fitted: Vec<f64> = (0..POINTS).map(even).collect();
+        let strain_at = |k: usize| least + k as f64 / (POINTS - 1) as f64 * (largest - least);
+        let fitted: Vec<f64> = (0..POINTS).map(strain_at).collect();
         let groups = std::iter::once((true, fitted)).chain(page.predicted.iter().map(|strain| (false, vec![*strain])));
         let (mut conditions, mut points) = (Vec::new(), Vec::new());
         for (is_fitted, strains) in groups {
@@ -64,8 +64,12 @@ impl Strip {
 /// The law `name` of `materials`.
 pub(super) fn material(name: &str) -> Result<&'static dyn Material> {
     fem::materials::by_name(name).ok_or_else(|| {
-        let known: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
-        Diagnostic::new(format!("there is no law `{name}`"), format!("laws: {}", known.join(", ")), "correct `laws`")
+        let law_names: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+        Diagnostic::new(
+            format!("there is no law `{name}`"),
+            format!("laws: {}", law_names.join(", ")),
+            "correct `laws`",
+        )
     })
 }
 
@@ -106,10 +110,10 @@ impl Test for Strip {
             let mut gradient = Vec::new();
             for p in 0..at.shared.len() + at.own.len() {
                 let (mut shared, mut own) = (at.shared.to_vec(), at.own.to_vec());
-                let moved = if p < shared.len() { &mut shared[p] } else { &mut own[p - at.shared.len()] };
-                *moved += STEP;
-                let place = Place { law: at.law, shared: &shared, own: &own };
-                gradient.push(1e-3 * (self.stress(&place, *row)? - value) / STEP);
+                let parameter = if p < shared.len() { &mut shared[p] } else { &mut own[p - at.shared.len()] };
+                *parameter += STEP;
+                let perturbed = Place { law: at.law, shared: &shared, own: &own };
+                gradient.push(1e-3 * (self.stress(&perturbed, *row)? - value) / STEP);
             }
             Ok(Predicted { value: 1e-3 * value, gradient })
         };

@@ -153,11 +153,11 @@ pub(super) fn strip_stress(material: &dyn Material, constants: &Constants, (stre
     let mean = (0..RAMP_POINTS).map(|k| constants.relaxation.modulus(age(k))).sum::<f64>() / RAMP_POINTS as f64;
     let mu = constants.youngs_modulus / 3.0;
     let stiffening = constants.stiffening.map(|ratio| 0.5 * ratio * mu);
-    let across = stretch.powf(-0.5);
-    let F = Matrix3::from_diagonal(&Vector3::new(stretch, across, across));
+    let lateral_stretch = stretch.powf(-0.5);
+    let F = Matrix3::from_diagonal(&Vector3::new(stretch, lateral_stretch, lateral_stretch));
     let P = material.energy_and_stress(&F, Moduli { mu: mu * mean, lambda: 0.0, stiffening }).1;
     // the pressure that keeps its sides free of stress
-    P[(0, 0)] - P[(1, 1)] * across / stretch
+    P[(0, 0)] - P[(1, 1)] * lateral_stretch / stretch
 }
 
 #[cfg(test)]
@@ -230,8 +230,8 @@ mod tests {
         }
         let mut solver = system.solver();
         solver.set_forces(forces.as_slice()).unwrap();
-        let at = solver.equilibrium(&[], None, &StaticSettings::default()).unwrap();
-        let stretch = 1.0 + at.displacement[3 * corners[0]] / length;
+        let equilibrium = solver.equilibrium(&[], None, &StaticSettings::default()).unwrap();
+        let stretch = 1.0 + equilibrium.displacement[3 * corners[0]] / length;
         assert!(stretch > 1.3, "{stretch}");
         let closed = strip_stress(material, &constants, (stretch, 1e4));
         assert!((closed / pull - 1.0).abs() < 5e-3, "{closed} {stretch}");
