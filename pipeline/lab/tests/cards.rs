@@ -153,8 +153,8 @@ fn a_card_that_is_written_is_read_back_the_same() {
 fn a_trial_in_water_without_the_water_s_surface_is_refused() {
     let dry = GOOD.replacen("[water]\nsurface = 0.05\nindex = 1.333\n", "", 1);
     assert_eq!(card::parse(&dry, at()).unwrap().water, None);
-    let said = card::parse(&dry.replacen("medium = \"air\"", "medium = \"water\"", 1), at()).unwrap_err().to_string();
-    assert!(said.contains("`static_left` is in water") && said.contains("surface"), "{said}");
+    let error = card::parse(&dry.replacen("medium = \"air\"", "medium = \"water\"", 1), at()).unwrap_err().to_string();
+    assert!(error.contains("`static_left` is in water") && error.contains("surface"), "{error}");
 }
 
 #[test]
@@ -180,45 +180,48 @@ fn a_byte_order_mark_and_crlf_are_tolerated() {
 
 #[test]
 fn an_unknown_key_is_refused_with_its_line_and_the_nearest_key() {
-    let said = refusal("density = 1410.0", "densty = 1410.0");
-    assert!(said.contains(&line("density = 1410.0")) && said.contains("unknown field `densty`"), "{said}");
-    assert!(said.contains("write `density` instead of `densty`"), "{said}");
+    let error = refusal("density = 1410.0", "densty = 1410.0");
+    assert!(error.contains(&line("density = 1410.0")) && error.contains("unknown field `densty`"), "{error}");
+    assert!(error.contains("write `density` instead of `densty`"), "{error}");
 }
 
 #[test]
 fn an_unknown_key_of_a_trial_is_refused_with_the_nearest_key() {
-    let said = refusal("cycles = 15", "cycle = 15");
-    assert!(said.contains("write `cycles` instead of `cycle`") && said.contains(&line("cycles = 15")), "{said}");
+    let error = refusal("cycles = 15", "cycle = 15");
+    assert!(error.contains("write `cycles` instead of `cycle`") && error.contains(&line("cycles = 15")), "{error}");
 }
 
 #[test]
 fn a_missing_key_is_refused_with_its_name() {
-    let said = refusal("below_x = 0.004", "");
-    assert!(said.contains("[clamp] does not have exactly one of below_x") && said.contains("do:  give one"), "{said}");
+    let error = refusal("below_x = 0.004", "");
+    assert!(
+        error.contains("[clamp] does not have exactly one of below_x") && error.contains("do:  give one"),
+        "{error}"
+    );
 }
 
 #[test]
 fn a_missing_key_of_a_kind_of_trial_is_refused_with_the_trial() {
-    let said = refusal("hold = 1.0", "");
-    assert!(said.contains("kind `staircase` needs the key `hold`") && said.contains("`static_left`"), "{said}");
+    let error = refusal("hold = 1.0", "");
+    assert!(error.contains("kind `staircase` needs the key `hold`") && error.contains("`static_left`"), "{error}");
 }
 
 #[test]
 fn a_key_of_another_kind_of_trial_is_refused() {
-    let said = refusal("hold = 1.0", "hold = 1.0\ncycles = 3");
-    assert!(said.contains("kind `staircase` has no key `cycles`"), "{said}");
+    let error = refusal("hold = 1.0", "hold = 1.0\ncycles = 3");
+    assert!(error.contains("kind `staircase` has no key `cycles`"), "{error}");
 }
 
 #[test]
 fn a_strange_word_is_refused_with_the_words_that_are_known() {
-    let said = refusal("role = \"identify\"", "role = \"training\"");
-    assert!(said.contains("`identify`") && said.contains("`validate`"), "{said}");
+    let error = refusal("role = \"identify\"", "role = \"training\"");
+    assert!(error.contains("`identify`") && error.contains("`validate`"), "{error}");
 }
 
 #[test]
 fn text_that_is_no_toml_is_refused_with_its_line() {
-    let said = refusal("length = 0.1", "length = ");
-    assert!(said.contains(&line("length = 0.1")), "{said}");
+    let error = refusal("length = 0.1", "length = ");
+    assert!(error.contains(&line("length = 0.1")), "{error}");
 }
 
 /// Each slip of unit or sign, the line it must be blamed on, and a word of the reason.
@@ -246,39 +249,39 @@ const SLIPS: &[(&str, &str, &str)] = &[
 #[test]
 fn a_slip_of_unit_is_refused_with_its_line_and_its_range() {
     for (from, to, why) in SLIPS {
-        let said = refusal(from, to);
-        assert!(said.contains(&line(from)), "{to}: {said}");
-        assert!(said.contains(why), "{to}: {said}");
+        let error = refusal(from, to);
+        assert!(error.contains(&line(from)), "{to}: {error}");
+        assert!(error.contains(why), "{to}: {error}");
     }
 }
 
 #[test]
 fn a_file_outside_the_folder_is_refused() {
     for bad in ["../other/body.stl", "/tmp/body.stl", "C:/body.stl", "cad\\\\body.stl"] {
-        let said = refusal("cad/body.stl", bad);
-        assert!(said.contains("leaves the folder") && said.contains(&line("cad/body.stl")), "{said}");
+        let error = refusal("cad/body.stl", bad);
+        assert!(error.contains("leaves the folder") && error.contains(&line("cad/body.stl")), "{error}");
     }
 }
 
 #[test]
 fn a_card_in_a_folder_of_another_name_is_refused() {
-    let said = card::parse(GOOD, Path::new("data/raw/perch/specimen.toml")).unwrap_err().to_string();
-    assert!(said.contains("`pike`") && said.contains("`perch`"), "{said}");
+    let error = card::parse(GOOD, Path::new("data/raw/perch/specimen.toml")).unwrap_err().to_string();
+    assert!(error.contains("`pike`") && error.contains("`perch`"), "{error}");
 }
 
 #[test]
 fn a_first_guess_outside_the_plausible_box_is_refused() {
     // on the bound there is no way to one side
     for bad in ["[4e9, 6e9]", "[3e9, 6e9]", "[1e9, 3e9]"] {
-        let said = refusal("plausible = [1e9, 6e9]", &format!("plausible = {bad}"));
-        assert!(said.contains("widen plausible"), "{said}");
+        let error = refusal("plausible = [1e9, 6e9]", &format!("plausible = {bad}"));
+        assert!(error.contains("widen plausible"), "{error}");
     }
 }
 
 #[test]
 fn two_trials_of_one_name_are_refused() {
-    let said = refusal("id = \"flap\"", "id = \"static_left\"");
-    assert!(said.contains("stands twice"), "{said}");
+    let error = refusal("id = \"flap\"", "id = \"static_left\"");
+    assert!(error.contains("stands twice"), "{error}");
 }
 
 #[test]
@@ -299,19 +302,19 @@ fn a_card_without_any_force_log_is_valid() {
 
 #[test]
 fn taps_without_a_hammer_and_a_fixture_named_like_a_trial_are_refused() {
-    let said = refusal("hammer = \"trials/taps/hammer.csv\"", "");
-    assert!(said.contains("needs the key `hammer`") && said.contains("`taps`"), "{said}");
-    let said = refusal("kind = \"still_water\"", "kind = \"still_water\"\nhammer = \"a.csv\"");
-    assert!(said.contains("has no key `hammer`"), "{said}");
-    let said = refusal("id = \"still_water\"", "id = \"flap\"");
-    assert!(said.contains(&line("id = \"still_water\"")) && said.contains("is a trial's as well"), "{said}");
+    let error = refusal("hammer = \"trials/taps/hammer.csv\"", "");
+    assert!(error.contains("needs the key `hammer`") && error.contains("`taps`"), "{error}");
+    let error = refusal("kind = \"still_water\"", "kind = \"still_water\"\nhammer = \"a.csv\"");
+    assert!(error.contains("has no key `hammer`"), "{error}");
+    let error = refusal("id = \"still_water\"", "id = \"flap\"");
+    assert!(error.contains(&line("id = \"still_water\"")) && error.contains("is a trial's as well"), "{error}");
 }
 
 #[test]
 fn a_force_log_outside_the_folder_is_refused() {
     for file in ["trials/flap/force.csv", "trials/taps/force.csv", "trials/taps/hammer.csv"] {
-        let said = refusal(file, "../force.csv");
-        assert!(said.contains("leaves the folder") && said.contains(&line(file)), "{said}");
+        let error = refusal(file, "../force.csv");
+        assert!(error.contains("leaves the folder") && error.contains(&line(file)), "{error}");
     }
 }
 
@@ -332,12 +335,12 @@ fn markers_that_are_looked_for_need_no_click_and_are_read_back_the_same() {
 
 #[test]
 fn markers_both_clicked_and_looked_for_or_neither_are_refused() {
-    let said = card::parse(&searching(""), at()).unwrap_err().to_string();
-    assert!(said.contains("marker `m1`") && said.contains("[search]"), "{said}");
-    let said = refusal("[camera]\n", "[search]\nregion = [300.0, 200.0, 900.0, 500.0]\n\n[camera]\n");
-    assert!(said.contains("`m1` is clicked"), "{said}");
-    let said = card::parse(&searching("[search]\nregion = [900.0, 200.0, 300.0, 500.0]\n"), at()).unwrap_err();
-    assert!(said.to_string().contains("-600 × 300 px"), "{said}");
+    let error = card::parse(&searching(""), at()).unwrap_err().to_string();
+    assert!(error.contains("marker `m1`") && error.contains("[search]"), "{error}");
+    let error = refusal("[camera]\n", "[search]\nregion = [300.0, 200.0, 900.0, 500.0]\n\n[camera]\n");
+    assert!(error.contains("`m1` is clicked"), "{error}");
+    let error = card::parse(&searching("[search]\nregion = [900.0, 200.0, 300.0, 500.0]\n"), at()).unwrap_err();
+    assert!(error.to_string().contains("-600 × 300 px"), "{error}");
 }
 
 /// The good card with tracks in space.
@@ -356,12 +359,12 @@ fn tracks_in_space_are_read_with_their_axes() {
 
 #[test]
 fn tracks_in_space_without_axes_or_with_pixels_for_metres_are_refused() {
-    let said = card::parse(&in_space("sigma = 0.5"), at()).unwrap_err().to_string();
-    assert!(said.contains("mocap.c3d holds places in space") && said.contains("[tracks.space]"), "{said}");
-    let said = card::parse(&in_space("sigma = 0.5\n[tracks.space]\n"), at()).unwrap_err().to_string();
-    assert!(said.contains("tracks.0.sigma = 0.5 m is out of range"), "{said}");
-    let said = card::parse(&in_space("sigma = 2e-4\n[tracks.space]\nx = [0.0, 0.0, 1.0]\n"), at()).unwrap_err();
-    assert!(said.to_string().contains("tracks.0.space.z"), "{said}");
+    let error = card::parse(&in_space("sigma = 0.5"), at()).unwrap_err().to_string();
+    assert!(error.contains("mocap.c3d holds places in space") && error.contains("[tracks.space]"), "{error}");
+    let error = card::parse(&in_space("sigma = 0.5\n[tracks.space]\n"), at()).unwrap_err().to_string();
+    assert!(error.contains("tracks.0.sigma = 0.5 m is out of range"), "{error}");
+    let error = card::parse(&in_space("sigma = 2e-4\n[tracks.space]\nx = [0.0, 0.0, 1.0]\n"), at()).unwrap_err();
+    assert!(error.to_string().contains("tracks.0.space.z"), "{error}");
 }
 
 #[test]
@@ -370,8 +373,8 @@ fn a_region_too_flat_or_too_narrow_for_a_marker_is_refused() {
         [("[100.0, 200.0, 900.0, 204.0]", "800 × 4 px"), ("[100.0, 200.0, 104.0, 900.0]", "4 × 700 px")]
     {
         let card = searching(&format!("[search]\nregion = {region}"));
-        let said = card::parse(&card, at()).unwrap_err().to_string();
-        assert!(said.contains(size) && said.contains("every marker"), "{said}");
+        let error = card::parse(&card, at()).unwrap_err().to_string();
+        assert!(error.contains(size) && error.contains("every marker"), "{error}");
     }
     let smallest = searching("[search]\nregion = [100.0, 200.0, 108.0, 208.0]");
     assert!(card::parse(&smallest, at()).is_ok(), "8 × 8 px are enough");
@@ -379,8 +382,8 @@ fn a_region_too_flat_or_too_narrow_for_a_marker_is_refused() {
 
 #[test]
 fn a_trial_of_one_frame_is_refused() {
-    let said = refusal("last_frame = 900", "last_frame = 0");
-    assert!(said.contains("last_frame = 0 is out of range") && said.contains("the range is 1 to"), "{said}");
+    let error = refusal("last_frame = 900", "last_frame = 0");
+    assert!(error.contains("last_frame = 0 is out of range") && error.contains("the range is 1 to"), "{error}");
 }
 
 #[test]
@@ -409,11 +412,11 @@ fn folder(test: &str) -> (std::path::PathBuf, lab::Specimen) {
 #[test]
 fn files_that_a_card_names_and_that_are_not_there_are_named_with_their_key() {
     let (top, specimen) = folder("missing");
-    let said: Vec<String> = specimen.missing().iter().map(ToString::to_string).collect();
-    assert_eq!(said.len(), 12, "{said:?}");
+    let errors: Vec<String> = specimen.missing().iter().map(ToString::to_string).collect();
+    assert_eq!(errors.len(), 12, "{errors:?}");
     for key in ["solid.spine.file", "pressure of trial `flap`", "tracks of trial `flap`", "hammer of fixture `taps`"] {
         let named = |s: &String| s.contains("the file is missing") && s.contains(&format!("names it as {key}\n"));
-        assert_eq!(said.iter().filter(|s| named(s)).count(), 1, "{key}: {said:?}");
+        assert_eq!(errors.iter().filter(|s| named(s)).count(), 1, "{key}: {errors:?}");
     }
     std::fs::remove_dir_all(top).unwrap();
 }
@@ -433,7 +436,7 @@ fn a_film_may_be_a_folder_of_pictures_and_a_log_may_not() {
     let log = specimen.file("trials/flap/force.csv");
     std::fs::remove_file(&log).unwrap();
     std::fs::create_dir(&log).unwrap();
-    let said = specimen.missing().iter().map(ToString::to_string).collect::<String>();
-    assert!(said.contains("force.csv: the file cannot be used: it is a folder"), "{said}");
+    let error = specimen.missing().iter().map(ToString::to_string).collect::<String>();
+    assert!(error.contains("force.csv: the file cannot be used: it is a folder"), "{error}");
     std::fs::remove_dir_all(top).unwrap();
 }

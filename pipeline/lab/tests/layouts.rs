@@ -40,11 +40,11 @@ const POINTS: &str = "time_s,force_n,led\n0,0.5,0\n0.1,-0.25,1\n0.2,0.125,1\n";
 
 #[test]
 fn semicolons_tabs_and_decimal_commas_are_found_without_a_card() {
-    let same = forces(POINTS, "").unwrap();
+    let expected = forces(POINTS, "").unwrap();
     let comma = |text: &str| text.replace(',', ";").replace('.', ",");
-    assert_eq!(forces(&comma(POINTS), "").unwrap(), same);
-    assert_eq!(forces(&comma(POINTS).replace(';', "\t"), "").unwrap(), same);
-    assert_eq!(same.log.led, [0.0, 1.0, 1.0]);
+    assert_eq!(forces(&comma(POINTS), "").unwrap(), expected);
+    assert_eq!(forces(&comma(POINTS).replace(';', "\t"), "").unwrap(), expected);
+    assert_eq!(expected.log.led, [0.0, 1.0, 1.0]);
 }
 
 #[test]
@@ -53,11 +53,11 @@ fn titles_and_units_of_the_card_are_taken_by_name_and_by_position() {
     let by_name = "[[columns]]\nquantity = \"time_s\"\ncolumn = \"Zeit\"\nunit = \"ms\"\n\
                    [[columns]]\nquantity = \"force_n\"\ncolumn = \"Kraft\"\nunit = \"mN\"\nof = \"force\"\n\
                    [[columns]]\nquantity = \"led\"\ncolumn = \"Lampe\"\nscale = 0.2\n";
-    let found = forces(german, by_name).unwrap();
-    assert_eq!(found.log, forces(POINTS, "").unwrap().log);
+    let by_title = forces(german, by_name).unwrap();
+    assert_eq!(by_title.log, forces(POINTS, "").unwrap().log);
     let bare: String = german.lines().skip(1).map(|line| format!("{line}\n")).collect();
     let by_place = by_name.replace("\"Zeit\"", "1").replace("\"Kraft\"", "2").replace("\"Lampe\"", "3");
-    assert_eq!(forces(&bare, &by_place).unwrap().log, found.log);
+    assert_eq!(forces(&bare, &by_place).unwrap().log, by_title.log);
 }
 
 /// Thousands look like decimals: 2,380 counts would be read as 2.38.
@@ -69,8 +69,8 @@ fn a_log_with_separators_of_thousands_is_refused_with_its_line() {
         ("time_s;force_n\n0,0125;12\n0,0250;2.380,0\n", "line 3: force_n is `2.380,0`\n  why: it has more signs"),
         ("time_s\tforce_n\n0.0125\t12\n0.0250\t2'380\n", "line 3: force_n is `2'380`\n  why: it has more signs"),
     ] {
-        let said = forces(text, "").unwrap_err();
-        assert!(said.contains(line) && said.contains("without separators of thousands"), "{said}");
+        let message = forces(text, "").unwrap_err();
+        assert!(message.contains(line) && message.contains("without separators of thousands"), "{message}");
     }
     let three_decimals = forces("time_s;force_n\n0,000;1,250\n0,001;2,375\n", "").unwrap();
     assert_eq!(three_decimals.log.force, [1.25, 2.375]);
@@ -80,20 +80,21 @@ fn a_log_with_separators_of_thousands_is_refused_with_its_line() {
 fn a_unit_of_the_file_that_is_not_that_of_the_card_is_refused_with_both() {
     let milliseconds = "[[columns]]\nquantity = \"time_s\"\ncolumn = \"time_s\"\nunit = \"ms\"\n";
     let text = "time_s;force_n\nms;N\n0;0,5\n10;0,25\n20;0,125\n";
-    let said = forces(text, "").unwrap_err();
-    assert!(said.contains("line 1: time_s is in ms by the file\n  why: the card has it in s\n"), "{said}");
+    let message = forces(text, "").unwrap_err();
+    assert!(message.contains("line 1: time_s is in ms by the file\n  why: the card has it in s\n"), "{message}");
     assert_eq!(forces(text, milliseconds).unwrap().log.time, [0.0, 0.01, 0.02]);
     let titled = "[[columns]]\nquantity = \"force_n\"\ncolumn = \"Kraft [mN]\"\nunit = \"N\"\n";
-    let said = forces("time_s;Kraft [mN]\n0,0;0,5\n0,1;0,25\n", titled).unwrap_err();
-    assert!(said.contains("force_n is in mN by the file\n  why: the card has it in N\n"), "{said}");
+    let message = forces("time_s;Kraft [mN]\n0,0;0,5\n0,1;0,25\n", titled).unwrap_err();
+    assert!(message.contains("force_n is in mN by the file\n  why: the card has it in N\n"), "{message}");
 }
 
 #[test]
 fn a_unit_holds_for_one_kind_of_log_where_the_card_says_so() {
     let grams = "[[columns]]\nquantity = \"force_n\"\ncolumn = \"force_n\"\nunit = \"gf\"\nof = \"hammer\"\n";
-    let read = |kind| force::parse_as(POINTS, Path::new("force.csv"), (kind, &card(grams))).unwrap().log.force[0];
-    assert_eq!(read(LogKind::Force), 0.5);
-    assert!((read(LogKind::Hammer) - 0.5e-3 * 9.80665).abs() < 1e-15);
+    let first_force =
+        |kind| force::parse_as(POINTS, Path::new("force.csv"), (kind, &card(grams))).unwrap().log.force[0];
+    assert_eq!(first_force(LogKind::Force), 0.5);
+    assert!((first_force(LogKind::Hammer) - 0.5e-3 * 9.80665).abs() < 1e-15);
 }
 
 #[test]
@@ -102,11 +103,11 @@ fn pressures_in_kilopascals_are_those_in_millibars() {
         "time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n0,100,0,50,5,0\n1,200,0,100,5,1\n";
     let kpa = "t\tl\tr\tL\tR\tled\n0\t10\t0\t5\t0,5\t0\n1\t20\t0\t10\t0,5\t1\n";
     let names = [("time_s", "t", "s"), ("left_command_mbar", "l", "kPa"), ("right_command_mbar", "r", "kPa")];
-    let more = [("left_mbar", "L", "kPa"), ("right_mbar", "R", "kPa")];
+    let measured = [("left_mbar", "L", "kPa"), ("right_mbar", "R", "kPa")];
     let entry = |(quantity, column, unit): &(&str, &str, &str)| {
         format!("[[columns]]\nquantity = \"{quantity}\"\ncolumn = \"{column}\"\nunit = \"{unit}\"\n")
     };
-    let log: String = names.iter().chain(&more).map(entry).collect();
+    let log: String = names.iter().chain(&measured).map(entry).collect();
     assert_eq!(pressures(kpa, &log).unwrap().log, pressures(mbar, "").unwrap().log);
 }
 
@@ -115,21 +116,21 @@ fn times_in_iso_8601_are_read_where_the_card_says_so() {
     let text =
         "time_s,force_n\n2024-05-01T12:00:00.000,0.5\n2024-05-01T12:00:00.100,-0.25\n2024-05-01T12:00:00.200,0.125\n";
     let log = "[[columns]]\nquantity = \"time_s\"\ncolumn = 1\nunit = \"iso8601\"\n";
-    let found = forces(text, log).unwrap();
-    assert!((found.log.rate() - 10.0).abs() < 1e-5 && found.sampling.method == Method::AsStamped);
-    let said = forces(text, "").unwrap_err();
-    assert!(said.contains("line 2") && said.contains("unit = \"iso8601\""), "{said}");
+    let logged = forces(text, log).unwrap();
+    assert!((logged.log.rate() - 10.0).abs() < 1e-5 && logged.sampling.method == Method::AsStamped);
+    let message = forces(text, "").unwrap_err();
+    assert!(message.contains("line 2") && message.contains("unit = \"iso8601\""), "{message}");
 }
 
 #[test]
 fn a_log_without_titles_is_refused_with_the_entry_that_it_needs() {
-    let said = forces("0,0.5\n0.1,-0.25\n", "").unwrap_err();
-    assert!(said.contains("line 1") && said.contains("numbers, not titles"), "{said}");
-    assert!(said.contains("[[log.columns]]") && said.contains("quantity = \"time_s\""), "{said}");
-    let said = forces(POINTS, "[[columns]]\nquantity = \"force_n\"\ncolumn = \"Kraft\"\n").unwrap_err();
-    assert!(said.contains("no column `Kraft`") && said.contains("time_s, force_n, led"), "{said}");
-    let said = forces(POINTS, "[[columns]]\nquantity = \"force_n\"\ncolumn = 7\n").unwrap_err();
-    assert!(said.contains("no column 7") && said.contains("has 3"), "{said}");
+    let message = forces("0,0.5\n0.1,-0.25\n", "").unwrap_err();
+    assert!(message.contains("line 1") && message.contains("numbers, not titles"), "{message}");
+    assert!(message.contains("[[log.columns]]") && message.contains("quantity = \"time_s\""), "{message}");
+    let message = forces(POINTS, "[[columns]]\nquantity = \"force_n\"\ncolumn = \"Kraft\"\n").unwrap_err();
+    assert!(message.contains("no column `Kraft`") && message.contains("time_s, force_n, led"), "{message}");
+    let message = forces(POINTS, "[[columns]]\nquantity = \"force_n\"\ncolumn = 7\n").unwrap_err();
+    assert!(message.contains("no column 7") && message.contains("has 3"), "{message}");
 }
 
 #[test]
@@ -137,22 +138,22 @@ fn an_even_log_is_read_as_stamped_and_an_uneven_one_on_an_even_clock() {
     let even = forces(&stamped((0..400).map(|i| 0.005 * i as f64)), "").unwrap();
     assert!(even.sampling.method == Method::AsStamped && even.sampling.bounds.is_empty());
     // late by 0 to 8 ms at 200 Hz: stamps may lie 13 ms apart and still rise
-    let mut last = -1.0;
+    let mut stamp = -1.0;
     let late = (0..400).map(|i| {
-        last = f64::max(last + 2e-4, 0.005 * i as f64 + 4e-3 * (1.0 + uneven(i)));
-        last
+        stamp = f64::max(stamp + 2e-4, 0.005 * i as f64 + 4e-3 * (1.0 + uneven(i)));
+        stamp
     });
-    let found = forces(&stamped(late), "").unwrap();
-    let Logged { log, sampling } = &found;
+    let logged = forces(&stamped(late), "").unwrap();
+    let Logged { log, sampling } = &logged;
     assert_eq!(sampling.method, Method::LinearInterpolation);
     assert!((2e-3..8.5e-3).contains(&sampling.jitter_s), "{sampling:?}");
     let steps: Vec<f64> = log.time.windows(2).map(|t| t[1] - t[0]).collect();
     assert!(steps.iter().all(|step| (step * sampling.rate_hz - 1.0).abs() < 1e-9));
     let bound = &sampling.bounds[0];
-    let off = |(t, f): (&f64, &f64)| (f - 0.1 * (4.0 * std::f64::consts::PI * t).sin()).abs();
-    let most = log.time.iter().zip(&log.force).map(off).fold(0.0, f64::max);
+    let deviation = |(t, f): (&f64, &f64)| (f - 0.1 * (4.0 * std::f64::consts::PI * t).sin()).abs();
+    let largest_deviation = log.time.iter().zip(&log.force).map(deviation).fold(0.0, f64::max);
     // half a rounding step of the last digit of time and force is added to the interpolation's own error
-    assert!(most < bound.max + 1e-4, "{most} {bound:?}");
+    assert!(largest_deviation < bound.max + 1e-4, "{largest_deviation} {bound:?}");
 }
 
 #[test]
@@ -199,7 +200,7 @@ fn on_an_even_clock_commands_stay_steps_and_held_pressures_stay_what_they_are() 
 fn the_held_pressures_of_a_jittered_log_are_those_of_the_even_one() {
     // a valve that settles to 188 mbar and ripples by 1 mbar; moduli go with the mean of the last two fifths of a hold
     let pressure = |t: f64| 188.0 * (1.0 - (-t / 0.05).exp()) + (61.0 * t).sin();
-    let held = |jitter: f64| {
+    let held_mean = |jitter: f64| {
         let mut last = -1.0;
         let mut line = |i: usize| {
             last = f64::max(last + 2e-4, 0.005 * i as f64 + 0.5 * jitter * (1.0 + uneven(i)));
@@ -210,7 +211,7 @@ fn the_held_pressures_of_a_jittered_log_are_those_of_the_even_one() {
         let log = pressures(&text, "").unwrap().log;
         log.channels[0].measured[360..].iter().sum::<f64>() / log.channels[0].measured[360..].len() as f64
     };
-    let (even, jittered) = (held(0.0), held(8e-3));
+    let (even, jittered) = (held_mean(0.0), held_mean(8e-3));
     assert!((jittered / even - 1.0).abs() < 1e-3, "{jittered} {even}");
 }
 
@@ -243,8 +244,8 @@ fn a_log_that_was_sampled_evenly_and_stamped_late_gives_the_held_pressures_and_t
 fn a_gap_is_what_exceeds_the_longest_gap_of_the_card() {
     let times = |i: usize| 0.005 * i as f64 + if i >= 60 { 0.03 } else { 0.0 };
     let text = stamped((0..400).map(times));
-    let said = forces(&text, "").unwrap_err();
-    assert!(said.contains("line 62:") && said.contains("0.0350 s later"), "{said}");
+    let message = forces(&text, "").unwrap_err();
+    assert!(message.contains("line 62:") && message.contains("0.0350 s later"), "{message}");
     assert!(forces(&text, "longest_gap = 0.05").is_ok());
     assert!(forces(&text, "longest_gap = 0.03").is_err());
     // at 10 Hz every step is longer than that
@@ -261,11 +262,11 @@ fn every_gap_and_every_time_that_does_not_rise_is_found_with_its_line() {
     times[170..].iter_mut().for_each(|t| *t += 0.04);
     let text = stamped(times.into_iter());
     let report = force::stamps(&text, Path::new("force.csv"), (LogKind::Force, &Log::default())).unwrap();
-    let found: Vec<(usize, StampFaultKind)> = report.faults.iter().map(|f| (f.line, f.kind)).collect();
+    let found_faults: Vec<(usize, StampFaultKind)> = report.faults.iter().map(|f| (f.line, f.kind)).collect();
     let (gap, repeated, backward) = (StampFaultKind::Gap, StampFaultKind::Repeated, StampFaultKind::Backward);
-    assert_eq!(found, [(52, gap), (92, repeated), (122, backward), (172, gap)]);
-    let said = forces(&text, "").unwrap_err();
-    assert!(said.contains("line 52:") && said.contains("so it is on line 172"), "{said}");
+    assert_eq!(found_faults, [(52, gap), (92, repeated), (122, backward), (172, gap)]);
+    let message = forces(&text, "").unwrap_err();
+    assert!(message.contains("line 52:") && message.contains("so it is on line 172"), "{message}");
 }
 
 #[test]
@@ -278,8 +279,11 @@ fn a_clock_that_changes_its_rate_is_found_with_its_line_and_jitter_is_not_taken_
         let text = stamped((0..2000).map(time));
         force::stamps(&text, Path::new("force.csv"), (LogKind::Force, &Log::default())).unwrap().rate_change
     };
-    let found = rate(0.01, 1e-3).unwrap();
-    assert!((found.line as f64 - 702.0).abs() < 30.0, "{found:?}");
-    assert!((found.rates[0] - 200.0).abs() < 0.1 && (found.rates[1] - 198.02).abs() < 0.1, "{found:?}");
+    let rate_change = rate(0.01, 1e-3).unwrap();
+    assert!((rate_change.line as f64 - 702.0).abs() < 30.0, "{rate_change:?}");
+    assert!(
+        (rate_change.rates[0] - 200.0).abs() < 0.1 && (rate_change.rates[1] - 198.02).abs() < 0.1,
+        "{rate_change:?}"
+    );
     assert_eq!((rate(0.0, 0.0), rate(0.0, 2e-3), rate(2e-4, 0.0)), (None, None, None));
 }

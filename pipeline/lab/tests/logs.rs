@@ -61,53 +61,53 @@ fn a_byte_order_mark_and_crlf_are_tolerated() {
 
 #[test]
 fn a_nan_is_refused_with_its_line() {
-    let said = refusal("90.25", "NaN");
-    assert!(said.contains("line 5:") && said.contains("left_mbar is `NaN`"), "{said}");
+    let message = refusal("90.25", "NaN");
+    assert!(message.contains("line 5:") && message.contains("left_mbar is `NaN`"), "{message}");
 }
 
 #[test]
 fn a_missing_column_is_refused_with_its_name() {
-    let said = refusal("right_mbar", "right_bar");
-    assert!(said.contains("line 2:") && said.contains("`right_mbar` is missing"), "{said}");
-    assert!(said.contains("rename the column `right_bar` to `right_mbar`"), "{said}");
+    let message = refusal("right_mbar", "right_bar");
+    assert!(message.contains("line 2:") && message.contains("`right_mbar` is missing"), "{message}");
+    assert!(message.contains("rename the column `right_bar` to `right_mbar`"), "{message}");
 }
 
 #[test]
 fn a_missing_column_that_resembles_no_other_is_to_be_added() {
-    let said = refusal(",led", ",temperature");
-    assert!(said.contains("`led` is missing") && said.contains("add the column `led`"), "{said}");
+    let message = refusal(",led", ",temperature");
+    assert!(message.contains("`led` is missing") && message.contains("add the column `led`"), "{message}");
 }
 
 #[test]
 fn a_log_that_was_cut_in_the_middle_of_a_number_is_refused_with_its_last_line() {
     let header = GOOD.lines().nth(1).unwrap();
     let rows: String = (0..20).map(|i| format!("\n0.{:03},0.00,0.00,12.25,0.50,1", 5 * i)).collect();
-    let whole = format!("{header}{rows}");
-    assert!(parse(&whole).is_ok());
-    let said = parse(whole.strip_suffix("0,1").unwrap()).unwrap_err();
-    assert!(said.contains("the line has 5 fields"), "{said}");
-    let said =
+    let text = format!("{header}{rows}");
+    assert!(parse(&text).is_ok());
+    let message = parse(text.strip_suffix("0,1").unwrap()).unwrap_err();
+    assert!(message.contains("the line has 5 fields"), "{message}");
+    let message =
         parse(&format!("{header}{}", rows.replace("0.095,0.00,0.00,12.25,0.50,1", "0.095,0.00,0.00,12.25,0.5,1")))
             .unwrap_err();
-    assert!(said.contains("line 21: the last line is `0.095,0.00,0.00,12.25,0.5,1`"), "{said}");
+    assert!(message.contains("line 21: the last line is `0.095,0.00,0.00,12.25,0.5,1`"), "{message}");
 }
 
 #[test]
 fn time_that_stands_still_is_refused_with_its_line() {
-    let said = refusal("1.010", "1.005");
-    assert!(said.contains("line 5:") && said.contains("time_s = 1.005 is repeated"), "{said}");
+    let message = refusal("1.010", "1.005");
+    assert!(message.contains("line 5:") && message.contains("time_s = 1.005 is repeated"), "{message}");
 }
 
 #[test]
 fn a_gap_in_time_is_refused() {
-    let said = refusal("1.015", "1.030");
-    assert!(said.contains("line 6:") && said.contains("the next sample comes 0.0200 s later"), "{said}");
+    let message = refusal("1.015", "1.030");
+    assert!(message.contains("line 6:") && message.contains("the next sample comes 0.0200 s later"), "{message}");
 }
 
 #[test]
 fn pressures_out_of_range_are_refused_with_the_range() {
-    let said = refusal("180", "18000");
-    assert!(said.contains("line 6:") && said.contains("-200 to 5000 mbar"), "{said}");
+    let message = refusal("180", "18000");
+    assert!(message.contains("line 6:") && message.contains("-200 to 5000 mbar"), "{message}");
 }
 
 #[test]
@@ -140,8 +140,8 @@ fn an_empty_log_is_refused() {
 
 #[test]
 fn an_absent_log_is_refused_with_its_name() {
-    let said = pressure::read(Path::new("/nowhere/pressure.csv"), &channels()).unwrap_err().to_string();
-    assert!(said.contains("/nowhere/pressure.csv"), "{said}");
+    let message = pressure::read(Path::new("/nowhere/pressure.csv"), &channels()).unwrap_err().to_string();
+    assert!(message.contains("/nowhere/pressure.csv"), "{message}");
 }
 
 #[test]

@@ -70,22 +70,22 @@ fn markers_in_space_need_neither_film_nor_camera_nor_lamp_nor_water_surface() {
 #[test]
 fn a_trial_has_a_film_or_markers_in_space() {
     let dry = CARD.replacen("medium = \"water\"", "medium = \"air\"", 1);
-    let said = |text: String| parsed(&text).unwrap_err();
-    let without_axes = said(dry.replacen("[tracks.space]\nstart = 1.5\n", "", 1));
+    let message_of = |text: String| parsed(&text).unwrap_err();
+    let without_axes = message_of(dry.replacen("[tracks.space]\nstart = 1.5\n", "", 1));
     assert!(without_axes.contains("the card has no axes"), "{without_axes}");
-    let elsewhere = said(dry.replacen("trial = \"step\"", "trial = \"other\"", 1));
+    let elsewhere = message_of(dry.replacen("trial = \"step\"", "trial = \"other\"", 1));
     assert!(elsewhere.contains("tracks of `other`, which is no trial"), "{elsewhere}");
-    let alone = said(dry.split("[[tracks]]").next().unwrap().to_owned());
+    let alone = message_of(dry.split("[[tracks]]").next().unwrap().to_owned());
     assert!(alone.contains("trial `step` has neither a film nor markers in space") && alone.contains("do:"), "{alone}");
 }
 
 #[test]
 fn a_film_needs_its_lamp_and_frames_need_a_film() {
-    let said = refusal("pressure =", "video = \"film.mp4\"\npressure =");
-    assert!(said.contains("trial `step` is filmed, but the card has no [led]"), "{said}");
-    let said = refusal("hold = 3.0", "hold = 3.0\nlast_frame = 9");
-    assert!(said.contains("trial `step` has no film, but trial.0.last_frame is given"), "{said}");
-    assert!(said.contains("specimen.toml, line 31"), "{said}");
+    let message = refusal("pressure =", "video = \"film.mp4\"\npressure =");
+    assert!(message.contains("trial `step` is filmed, but the card has no [led]"), "{message}");
+    let message = refusal("hold = 3.0", "hold = 3.0\nlast_frame = 9");
+    assert!(message.contains("trial `step` has no film, but trial.0.last_frame is given"), "{message}");
+    assert!(message.contains("specimen.toml, line 31"), "{message}");
 }
 
 #[test]
@@ -98,14 +98,15 @@ fn pixels_need_a_camera_and_marks_a_diameter() {
         1,
     );
     let lit = format!("{pixels}[led]\ncentre = [40.0, 40.0]\nradius = 9.0\n");
-    let said = parsed(&lit).unwrap_err();
-    assert!(said.contains("trial `step` is tracked in its film, but the card has no [camera]"), "{said}");
+    let message = parsed(&lit).unwrap_err();
+    assert!(message.contains("trial `step` is tracked in its film, but the card has no [camera]"), "{message}");
     let camera = "[camera]\ncalibration = \"c.mp4\"\nframe_every = 1\n[camera.board]\ncolumns = 9\nrows = 6\nsquare = 0.012\n\
                   [camera.plane]\nseconds = [0.0, 1.0]\norigin = [0.0, 0.0]\nalong = [1.0, 0.0]\nheight = 0.0\n";
-    let said = parsed(&format!("{lit}{camera}")).unwrap_err();
-    assert!(said.contains("marker `tip` has no diameter, and trial `step` is filmed"), "{said}");
-    let whole = format!("{lit}{camera}").replacen("at = [0.1, 0.0, 0.0]", "at = [0.1, 0.0, 0.0]\ndiameter = 0.004", 1);
-    assert!(parsed(&whole).is_ok(), "{:?}", parsed(&whole));
+    let message = parsed(&format!("{lit}{camera}")).unwrap_err();
+    assert!(message.contains("marker `tip` has no diameter, and trial `step` is filmed"), "{message}");
+    let complete_card =
+        format!("{lit}{camera}").replacen("at = [0.1, 0.0, 0.0]", "at = [0.1, 0.0, 0.0]\ndiameter = 0.004", 1);
+    assert!(parsed(&complete_card).is_ok(), "{:?}", parsed(&complete_card));
 }
 
 #[test]
@@ -115,8 +116,8 @@ fn a_named_surface_is_one_of_a_mesh_and_the_only_place_of_the_clamp() {
         "[solid.body]\nfile = \"a.stl\"",
         1,
     );
-    let said = parsed(&stl).unwrap_err();
-    assert!(said.contains("clamp.surface is given, but there is no solid.mesh"), "{said}");
-    let said = refusal("surface = \"holder\"", "surface = \"holder\"\nbelow_x = 0.0");
-    assert!(said.contains("exactly one of below_x, plane (across one axis), box and surface"), "{said}");
+    let message = parsed(&stl).unwrap_err();
+    assert!(message.contains("clamp.surface is given, but there is no solid.mesh"), "{message}");
+    let message = refusal("surface = \"holder\"", "surface = \"holder\"\nbelow_x = 0.0");
+    assert!(message.contains("exactly one of below_x, plane (across one axis), box and surface"), "{message}");
 }

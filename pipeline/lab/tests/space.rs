@@ -102,9 +102,9 @@ fn millimetres_of_a_c3d_are_read_in_metres_with_their_times() {
     let space = read(&Capture::new().bytes()).unwrap();
     assert_eq!(space.markers.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["m1", "tip"]);
     assert!((space.time[3] - 0.03).abs() < 1e-12);
-    let at = space.complete("tip", Path::new("a.c3d")).unwrap();
+    let tip = space.complete("tip", Path::new("a.c3d")).unwrap();
     // single precision holds a place of 0.1 m to some nanometres
-    assert!((at[2][0] - 0.082).abs() < 1e-8 && (at[2][1] + 0.0025).abs() < 1e-9, "{at:?}");
+    assert!((tip[2][0] - 0.082).abs() < 1e-8 && (tip[2][1] + 0.0025).abs() < 1e-9, "{tip:?}");
 }
 
 #[test]
@@ -147,8 +147,8 @@ fn a_plane_s_csv_needs_no_z_and_its_slips_are_refused_with_their_line() {
 #[test]
 fn a_line_of_a_csv_that_is_no_text_is_refused_with_its_number() {
     let text = b"frame,time_s,marker,x_mm,y_mm\n0,0,m1,50,1\n1,0.01,m\xff,51,1\n";
-    let said = space::read(text, Path::new("places.csv")).unwrap_err().to_string();
-    assert!(said.contains("line 3: the places cannot be read"), "{said}");
+    let message = space::read(text, Path::new("places.csv")).unwrap_err().to_string();
+    assert!(message.contains("line 3: the places cannot be read"), "{message}");
 }
 
 #[test]
@@ -157,8 +157,11 @@ fn a_lost_marker_and_a_number_that_is_none_are_refused_with_their_frame() {
         let mut capture = Capture::new();
         capture.points[2][1] = point;
         let space = read(&capture.bytes()).unwrap();
-        let said = space.complete("tip", Path::new("a.c3d")).unwrap_err().to_string();
-        assert!(said.contains("marker `tip` is lost in frame 2 (0.020 s)") && said.contains("1 of 4 frames"), "{said}");
+        let message = space.complete("tip", Path::new("a.c3d")).unwrap_err().to_string();
+        assert!(
+            message.contains("marker `tip` is lost in frame 2 (0.020 s)") && message.contains("1 of 4 frames"),
+            "{message}"
+        );
         assert!(space.complete("m1", Path::new("a.c3d")).is_ok());
     }
 }
@@ -176,8 +179,8 @@ fn a_point_of_zeros_is_a_gap() {
     let mut capture = Capture::new();
     capture.points[1][0] = [0.0, 0.0, 0.0, 0.0];
     capture.points[2][0] = [0.0, 0.0, 0.1, 0.0];
-    let seen: Vec<bool> = read(&capture.bytes()).unwrap().markers[0].at.iter().map(Option::is_some).collect();
-    assert_eq!(seen, [true, false, true, true]);
+    let is_present: Vec<bool> = read(&capture.bytes()).unwrap().markers[0].at.iter().map(Option::is_some).collect();
+    assert_eq!(is_present, [true, false, true, true]);
 }
 
 /// 90,000 frames, of which the header and POINT:FRAMES can say 65,535 or what is left of the number in two bytes.
@@ -192,9 +195,9 @@ fn all_frames_of_a_long_recording_are_read() {
         let last = space.markers[0].at[89_999].unwrap();
         assert!((last[0] - 0.090_999).abs() < 1e-8, "{last:?}");
     }
-    let few = Capture { points: (0..50_000).map(frame).collect(), announced: Some(24_464), ..Capture::new() };
-    let said = diagnostic(&few);
-    assert!(said.contains("holds 50016 frames, and its header has 24464"), "{said}");
+    let wrapped_count = Capture { points: (0..50_000).map(frame).collect(), announced: Some(24_464), ..Capture::new() };
+    let message = diagnostic(&wrapped_count);
+    assert!(message.contains("holds 50016 frames, and its header has 24464"), "{message}");
 }
 
 /// Vicon writes the subject before its marker.
@@ -204,10 +207,10 @@ fn a_marker_is_found_behind_the_name_of_its_subject() {
     let space = read(&fixture("subject_prefix.c3d")).unwrap();
     assert!(space.markers.iter().all(|marker| marker.name.starts_with("fish:")));
     assert_eq!(space.complete("m1", path).unwrap().len(), space.time.len());
-    let mut twice = space.clone();
-    twice.markers[1].name = "other:m1".into();
-    let said = twice.complete("m1", path).unwrap_err().to_string();
-    assert!(said.contains("marker `m1` is `fish:m1` or `other:m1`"), "{said}");
+    let mut ambiguous = space.clone();
+    ambiguous.markers[1].name = "other:m1".into();
+    let message = ambiguous.complete("m1", path).unwrap_err().to_string();
+    assert!(message.contains("marker `m1` is `fish:m1` or `other:m1`"), "{message}");
 }
 
 /// Programs write such numbers where they lost a marker; −9999 mm lies within what an instrument may measure.
@@ -221,12 +224,12 @@ fn a_number_that_stands_for_a_lost_marker_is_a_gap() {
         assert!(space.markers[1].at[3].is_some());
     }
     let text = "frame,time_s,marker,x_mm,y_mm\n0,0,m1,50,1\n1,0.01,m1,-9999,-9999\n2,0.02,m1,,\n3,0.03,m1,99,99.5\n";
-    let seen: Vec<bool> = space::read(text.as_bytes(), Path::new("places.csv")).unwrap().markers[0]
+    let is_present: Vec<bool> = space::read(text.as_bytes(), Path::new("places.csv")).unwrap().markers[0]
         .at
         .iter()
         .map(Option::is_some)
         .collect();
-    assert_eq!(seen, [true, false, false, true]);
+    assert_eq!(is_present, [true, false, false, true]);
 }
 
 #[test]
@@ -244,10 +247,10 @@ fn a_csv_may_have_semicolons_decimal_commas_and_another_encoding() {
 
 #[test]
 fn a_marker_of_another_name_is_refused_with_the_nearest() {
-    let said = read(&Capture::new().bytes()).unwrap().complete("tip2", Path::new("a.c3d")).unwrap_err().to_string();
+    let message = read(&Capture::new().bytes()).unwrap().complete("tip2", Path::new("a.c3d")).unwrap_err().to_string();
     assert!(
-        said.contains("no marker `tip2`") && said.contains("the file has m1, tip") && said.contains("`tip`"),
-        "{said}"
+        message.contains("no marker `tip2`") && message.contains("the file has m1, tip") && message.contains("`tip`"),
+        "{message}"
     );
 }
 
@@ -262,8 +265,8 @@ fn a_c3d_that_was_cut_is_refused_with_the_frame_at_which_it_ends() {
     let mut capture = Capture::new();
     capture.points = (0..40).map(|_| capture.points[0]).collect();
     let bytes = capture.bytes();
-    let said = read(&bytes[..bytes.len() - 512]).unwrap_err().to_string();
-    assert!(said.contains("ends in frame 32") && said.contains("its header has 40"), "{said}");
+    let message = read(&bytes[..bytes.len() - 512]).unwrap_err().to_string();
+    assert!(message.contains("ends in frame 32") && message.contains("its header has 40"), "{message}");
 }
 
 #[test]
@@ -280,14 +283,17 @@ fn a_header_that_counts_more_points_than_the_file_holds_is_refused_before_room_i
     let mut bytes = Capture::new().bytes();
     bytes[2..4].copy_from_slice(&60_000_u16.to_le_bytes());
     bytes[8..10].copy_from_slice(&50_000_u16.to_le_bytes());
-    let said = read(&bytes).unwrap_err().to_string();
-    assert!(said.contains("60000 points in 50000 frames") && said.contains("the file has 1536 bytes"), "{said}");
+    let message = read(&bytes).unwrap_err().to_string();
+    assert!(
+        message.contains("60000 points in 50000 frames") && message.contains("the file has 1536 bytes"),
+        "{message}"
+    );
     bytes[515] = 86; // big-endian: both bytes of each word change places
     for word in [2, 6, 8] {
         bytes[word..word + 2].reverse();
     }
-    let said = read(&bytes).unwrap_err().to_string();
-    assert!(said.contains("60000 points in 50000 frames"), "{said}");
+    let message = read(&bytes).unwrap_err().to_string();
+    assert!(message.contains("60000 points in 50000 frames"), "{message}");
 }
 
 #[test]
@@ -296,7 +302,7 @@ fn a_residual_of_255_that_every_camera_saw_is_no_loss_and_minus_one_is() {
     capture.points[1][0][3] = f32::from(0x7fff_i16);
     capture.points[2][0][3] = -1.0;
     let space = space::read(&capture.bytes(), Path::new("capture.c3d")).unwrap();
-    let seen: Vec<bool> = space.markers[0].at.iter().map(Option::is_some).collect();
-    assert_eq!(seen, [true, true, false, true]);
+    let is_present: Vec<bool> = space.markers[0].at.iter().map(Option::is_some).collect();
+    assert_eq!(is_present, [true, true, false, true]);
     assert!(space.markers[1].at.iter().all(Option::is_some));
 }

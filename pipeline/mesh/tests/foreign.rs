@@ -20,13 +20,13 @@ fn text(name: &str) -> String {
 }
 
 fn ball(name: &str) -> ForeignMesh {
-    let read = match name.rsplit_once('.').unwrap().1 {
+    let result = match name.rsplit_once('.').unwrap().1 {
         "msh" => gmsh(&bytes(name)),
         "mesh" => medit(&bytes(name)),
         "vtu" => vtu(&bytes(name)),
         _ => tetgen(&bytes("ball.node"), &bytes(name)),
     };
-    read.unwrap_or_else(|fault| panic!("{name}: {fault}")).check(1.0, false).unwrap_or_else(|e| panic!("{name}: {e}"))
+    result.unwrap_or_else(|fault| panic!("{name}: {fault}")).check(1.0, false).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 const BALLS: [&str; 12] = [
@@ -55,9 +55,9 @@ fn elements(foreign: &ForeignMesh) -> Vec<(i64, Vec<[f64; 3]>)> {
 fn every_format_gives_the_same_ball() {
     let reference = elements(&ball(BALLS[0]));
     for name in BALLS {
-        let own = elements(&ball(name));
-        assert_eq!(own.len(), reference.len(), "{name}");
-        for (number, (a, b)) in own.iter().zip(&reference).enumerate() {
+        let ball_elements = elements(&ball(name));
+        assert_eq!(ball_elements.len(), reference.len(), "{name}");
+        for (number, (a, b)) in ball_elements.iter().zip(&reference).enumerate() {
             let distance =
                 a.1.iter().flatten().zip(b.1.iter().flatten()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
             // MEDIT's file has 14 digits
@@ -69,15 +69,15 @@ fn every_format_gives_the_same_ball() {
 #[test]
 fn curved_elements_fill_the_ball_better_than_straight_ones() {
     let foreign = ball("ball.msh");
-    let whole = 4.0 / 3.0 * PI * (1e-6 - 0.216e-6);
+    let ball_volume = 4.0 / 3.0 * PI * (1e-6 - 0.216e-6);
     let curved: f64 = foreign.regions.iter().map(|region| region.volume).sum();
     let straight: f64 = {
         let mesh = foreign.solid.clone().to_linear();
         (0..mesh.tets.len()).map(|tet| mesh.volume(tet)).sum()
     };
     // edges of 70 degrees: chords lose a sixth of the volume, parabolas a hundredth
-    assert!((curved / whole - 1.0).abs() < 0.02, "{curved:e} of {whole:e}");
-    assert!((straight / whole - 1.0).abs() > 0.1, "{straight:e} of {whole:e}");
+    assert!((curved / ball_volume - 1.0).abs() < 0.02, "{curved:e} of {ball_volume:e}");
+    assert!((straight / ball_volume - 1.0).abs() > 0.1, "{straight:e} of {ball_volume:e}");
 }
 
 #[test]
@@ -113,8 +113,8 @@ fn the_chamber_lies_in_the_middle_and_the_regions_keep_tag_and_name() {
     let cavity = &foreign.cavities[0];
     assert!((cavity.volume / (4.0 / 3.0 * PI * 0.216e-6) - 1.0).abs() < 0.03, "{:e}", cavity.volume);
     assert!(cavity.centroid.iter().all(|x| x.abs() < 2e-5), "{:?}", cavity.centroid);
-    let named: Vec<_> = foreign.regions.iter().map(|r| (r.tag, r.name.as_deref())).collect();
-    assert_eq!(named, [(3, Some("stiff")), (7, Some("soft"))]);
+    let tags_and_names: Vec<_> = foreign.regions.iter().map(|r| (r.tag, r.name.as_deref())).collect();
+    assert_eq!(tags_and_names, [(3, Some("stiff")), (7, Some("soft"))]);
     assert_eq!(foreign.solid.regions().iter().filter(|r| **r == 0).count(), foreign.regions[0].elements);
 }
 
@@ -143,44 +143,44 @@ fn a_cube_is_accepted_in_millimetres_and_refused_in_metres() {
     let foreign = raw.clone().check(1e-3, false).unwrap();
     assert!((foreign.regions[0].volume - 8e-6).abs() < 1e-18);
     assert!(foreign.notes.iter().any(|note| note.contains("symmetric about z = 0")));
-    let said = raw.check(1.0, false).unwrap_err().to_string();
-    assert!(said.contains("2.000e1 m long") && said.contains("unit = \"mm\""), "{said}");
+    let message = raw.check(1.0, false).unwrap_err().to_string();
+    assert!(message.contains("2.000e1 m long") && message.contains("unit = \"mm\""), "{message}");
 }
 
 #[test]
 fn left_handed_elements_are_reordered_and_a_single_one_is_refused() {
-    let right = cube(0.02);
+    let right_handed = cube(0.02);
     let swap = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
         [a, b, c, "9", "1"] => format!("{b} {a} {c} 9 1"),
         _ => line.to_owned(),
     };
-    let left: String = right.lines().map(|line| swap(line) + "\n").collect();
-    let foreign = medit(left.as_bytes()).unwrap().check(1.0, false).unwrap();
+    let left_handed: String = right_handed.lines().map(|line| swap(line) + "\n").collect();
+    let foreign = medit(left_handed.as_bytes()).unwrap().check(1.0, false).unwrap();
     assert!(foreign.notes.iter().any(|note| note.contains("left-handed")), "{:?}", foreign.notes);
-    let last = right.lines().rev().nth(1).unwrap();
-    let one = right.replace(last, &swap(last));
-    assert!(matches!(refusal(&one), MeshDefect::InvertedElement { element: 12, .. }));
+    let last_line = right_handed.lines().rev().nth(1).unwrap();
+    let one_inverted = right_handed.replace(last_line, &swap(last_line));
+    assert!(matches!(refusal(&one_inverted), MeshDefect::InvertedElement { element: 12, .. }));
 }
 
 #[test]
 fn a_flat_element_a_double_one_and_doubled_nodes_are_named() {
     let flat = cube(0.02).replace("\n0 0 0 0\n", "\n0 0 -0.01 0\n");
     assert!(matches!(refusal(&flat), MeshDefect::DegenerateElement { element: 1, .. }));
-    let last = cube(0.02).lines().rev().nth(1).unwrap().to_owned();
-    let double = cube(0.02).replace("Tetrahedra 12", "Tetrahedra 13").replace("End", &format!("{last}\nEnd"));
+    let last_line = cube(0.02).lines().rev().nth(1).unwrap().to_owned();
+    let double = cube(0.02).replace("Tetrahedra 12", "Tetrahedra 13").replace("End", &format!("{last_line}\nEnd"));
     assert_eq!(refusal(&double), MeshDefect::DuplicateElement { first: 12, second: 13 });
     // the last element gets a centre of its own
     let torn = cube(0.02)
         .replace("Vertices 9", "Vertices 10")
         .replace("\n0 0 0 0\n", "\n0 0 0 0\n0 0 0 0\n")
-        .replace(&last, &last.replace(" 9 1", " 10 1"));
+        .replace(&last_line, &last_line.replace(" 9 1", " 10 1"));
     assert_eq!(refusal(&torn), MeshDefect::CoincidentNodes { first: 9, second: 10, count: 1 });
 }
 
 #[test]
 fn a_node_that_nothing_uses_is_dropped_with_a_note_and_one_that_is_no_number_is_refused() {
-    let more = cube(0.02).replace("Vertices 9", "Vertices 10").replace("\n0 0 0 0\n", "\n0 0 0 0\n5 5 5 0\n");
-    let foreign = medit(more.as_bytes()).unwrap().check(1.0, false).unwrap();
+    let extra_node = cube(0.02).replace("Vertices 9", "Vertices 10").replace("\n0 0 0 0\n", "\n0 0 0 0\n5 5 5 0\n");
+    let foreign = medit(extra_node.as_bytes()).unwrap().check(1.0, false).unwrap();
     assert_eq!(foreign.solid.nodes().len(), 9);
     assert!(foreign.notes[0].contains("first of them node 10"), "{:?}", foreign.notes);
     let nan = cube(0.02).replace("\n0 0 0 0\n", "\nnan 0 0 0\n");
@@ -189,24 +189,24 @@ fn a_node_that_nothing_uses_is_dropped_with_a_note_and_one_that_is_no_number_is_
 
 #[test]
 fn parts_that_touch_along_an_edge_alone_leave_the_skin_open() {
-    let two = "MeshVersionFormatted 2\nDimension 3\nVertices 6\n0 0 0 0\n0.01 0 0 0\n0 0.01 0 0\n0 0 0.01 0\n\
+    let sharing_edge = "MeshVersionFormatted 2\nDimension 3\nVertices 6\n0 0 0 0\n0.01 0 0 0\n0 0.01 0 0\n0 0 0.01 0\n\
                0.01 -0.01 -0.01 0\n0.02 0 -0.01 0\nTetrahedra 2\n1 2 3 4 1\n1 2 5 6 1\nEnd\n";
-    let said = refusal(two);
-    assert_eq!(said, MeshDefect::NonManifoldEdge { edge: [1, 2], count: 4 }, "{said}");
+    let defect = refusal(sharing_edge);
+    assert_eq!(defect, MeshDefect::NonManifoldEdge { edge: [1, 2], count: 4 }, "{defect}");
 }
 
 #[test]
 fn a_face_of_three_elements_is_refused() {
-    let three = "MeshVersionFormatted 2\nDimension 3\nVertices 6\n0 0 0 0\n0.01 0 0 0\n0 0.01 0 0\n0 0 0.01 0\n\
+    let sharing_face = "MeshVersionFormatted 2\nDimension 3\nVertices 6\n0 0 0 0\n0.01 0 0 0\n0 0.01 0 0\n0 0 0.01 0\n\
                  0 0 -0.01 0\n0.001 0 0.02 0\nTetrahedra 3\n1 2 3 4 1\n1 3 2 5 1\n1 2 3 6 1\nEnd\n";
-    assert!(matches!(refusal(three), MeshDefect::NonManifoldFace { face: [1, 2, 3], count: 3, .. }));
+    assert!(matches!(refusal(sharing_face), MeshDefect::NonManifoldFace { face: [1, 2, 3], count: 3, .. }));
 }
 
 #[test]
 fn a_half_model_has_faces_on_its_plane_and_nothing_below() {
-    let whole = medit(cube(0.02).as_bytes()).unwrap();
-    assert!(matches!(whole.clone().check(1.0, true), Err(MeshDefect::BelowPlane { .. })));
-    let mut above = whole;
+    let cube_mesh = medit(cube(0.02).as_bytes()).unwrap();
+    assert!(matches!(cube_mesh.clone().check(1.0, true), Err(MeshDefect::BelowPlane { .. })));
+    let mut above = cube_mesh;
     above.nodes.iter_mut().for_each(|at| at[2] += 0.01 + 1e-10);
     let foreign = above.clone().check(1.0, true).unwrap();
     assert_eq!(foreign.solid.faces().iter().filter(|face| face.1 == Skin::Symmetry).count(), 2);
@@ -217,20 +217,20 @@ fn a_half_model_has_faces_on_its_plane_and_nothing_below() {
 #[test]
 fn a_truncated_file_is_refused_with_its_line() {
     for name in BALLS {
-        let whole = bytes(name);
+        let file_bytes = bytes(name);
         for part in [1, 3, 7, 9] {
-            let cut = &whole[..whole.len() * part / 10];
-            let read = match name.rsplit_once('.').unwrap().1 {
+            let cut = &file_bytes[..file_bytes.len() * part / 10];
+            let result = match name.rsplit_once('.').unwrap().1 {
                 "msh" => gmsh(cut),
                 "mesh" => medit(cut),
                 "vtu" => vtu(cut),
                 _ => tetgen(&bytes("ball.node"), cut),
             };
             let complete = |raw: &RawMesh| raw.len() == 140;
-            assert!(!read.as_ref().is_ok_and(complete), "{name} at {part}0 % is read whole");
-            if let Err(fault) = read {
-                let said = fault.to_string();
-                assert!(said.contains("why: ") && said.contains("do:  "), "{name}: {said}");
+            assert!(!result.as_ref().is_ok_and(complete), "{name} at {part}0 % is read whole");
+            if let Err(fault) = result {
+                let message = fault.to_string();
+                assert!(message.contains("why: ") && message.contains("do:  "), "{name}: {message}");
             }
         }
     }
@@ -247,51 +247,51 @@ fn a_file_with_broken_bytes_is_refused_or_read_but_never_a_panic() {
     for (round, name) in BALLS.iter().cycle().take(3000).enumerate() {
         let mut broken = bytes(name);
         for _ in 0..1 + round % 4 {
-            let place = chance(broken.len());
+            let offset = chance(broken.len());
             // the heads hold the counts
-            let place = if round % 2 == 0 { place } else { place % 400 };
-            broken[place] = [0, 255, b'-', b'9', b' ', b'e', b'"', b'<'][chance(8)];
+            let offset = if round % 2 == 0 { offset } else { offset % 400 };
+            broken[offset] = [0, 255, b'-', b'9', b' ', b'e', b'"', b'<'][chance(8)];
         }
-        let read = match name.rsplit_once('.').unwrap().1 {
+        let result = match name.rsplit_once('.').unwrap().1 {
             "msh" => gmsh(&broken),
             "mesh" => medit(&broken),
             "vtu" => vtu(&broken),
             _ => tetgen(&bytes("ball.node"), &broken),
         };
-        refused += usize::from(read.map_or(true, |raw| raw.check(1.0, false).is_err()));
+        refused += usize::from(result.map_or(true, |raw| raw.check(1.0, false).is_err()));
     }
     assert!(refused > 1000, "{refused} of 3000");
 }
 
 #[test]
 fn text_in_place_of_a_number_is_refused_with_its_line() {
-    let said = fault(gmsh(text("ball.msh").replacen("0.006 0 \n", "O.006 0 \n", 1).as_bytes()));
-    assert!(said.starts_with("line 11: `O.006` stands for the bounds of an entity"), "{said}");
-    let said = fault(medit(cube(0.02).replace("\n0 0 0 0\n", "\n0 x 0 0\n").as_bytes()));
-    assert!(said.starts_with("line 12: `x` stands for Vertices"), "{said}");
+    let message = fault(gmsh(text("ball.msh").replacen("0.006 0 \n", "O.006 0 \n", 1).as_bytes()));
+    assert!(message.starts_with("line 11: `O.006` stands for the bounds of an entity"), "{message}");
+    let message = fault(medit(cube(0.02).replace("\n0 0 0 0\n", "\n0 x 0 0\n").as_bytes()));
+    assert!(message.starts_with("line 12: `x` stands for Vertices"), "{message}");
     let node = text("ball.node").replacen("265 3", "265 2", 1);
-    let said = fault(tetgen(node.as_bytes(), &bytes("ball.ele")));
-    assert!(said.starts_with(".node file, line 2: the nodes have 2 coordinates"), "{said}");
-    let said = fault(foreign::read(Path::new("of/ball.ele"), &bytes("ball.ele"), Some(node.as_bytes())));
-    assert!(said.starts_with("ball.node, line 2: the nodes have 2 coordinates"), "{said}");
-    let said = fault(vtu(text("ball_ascii.vtu").replacen("0.006", "0,006", 1).as_bytes()));
-    assert!(said.starts_with("line ") && said.contains("`0,006` stands in an array"), "{said}");
+    let message = fault(tetgen(node.as_bytes(), &bytes("ball.ele")));
+    assert!(message.starts_with(".node file, line 2: the nodes have 2 coordinates"), "{message}");
+    let message = fault(foreign::read(Path::new("of/ball.ele"), &bytes("ball.ele"), Some(node.as_bytes())));
+    assert!(message.starts_with("ball.node, line 2: the nodes have 2 coordinates"), "{message}");
+    let message = fault(vtu(text("ball_ascii.vtu").replacen("0.006", "0,006", 1).as_bytes()));
+    assert!(message.starts_with("line ") && message.contains("`0,006` stands in an array"), "{message}");
 }
 
 #[test]
 fn another_version_another_solid_and_another_compression_are_refused() {
-    let said = fault(gmsh(text("ball.msh").replacen("4.1 0 8", "4.0 0 8", 1).as_bytes()));
-    assert!(said.contains("version 4.0") && said.contains("-format msh41"), "{said}");
-    let said = fault(medit(cube(0.02).replace("End", "Hexahedra 1\n1 2 3 4 5 6 7 8 1\nEnd").as_bytes()));
-    assert!(said.contains("hexahedra") && said.contains("line "), "{said}");
-    let said = fault(vtu(text("ball_inline_zlib.vtu").replace("vtkZLib", "vtkLZ4").as_bytes()));
-    assert!(said.contains("vtkLZ4DataCompressor"), "{said}");
+    let message = fault(gmsh(text("ball.msh").replacen("4.1 0 8", "4.0 0 8", 1).as_bytes()));
+    assert!(message.contains("version 4.0") && message.contains("-format msh41"), "{message}");
+    let message = fault(medit(cube(0.02).replace("End", "Hexahedra 1\n1 2 3 4 5 6 7 8 1\nEnd").as_bytes()));
+    assert!(message.contains("hexahedra") && message.contains("line "), "{message}");
+    let message = fault(vtu(text("ball_inline_zlib.vtu").replace("vtkZLib", "vtkLZ4").as_bytes()));
+    assert!(message.contains("vtkLZ4DataCompressor"), "{message}");
 }
 
 #[test]
 fn an_element_that_names_a_node_which_is_not_there_is_named() {
-    let said = fault(tetgen(&bytes("ball.node"), text("ball.ele").replacen("\n1 ", "\n1 9", 1).as_bytes()));
-    assert!(said.contains(".ele file, line 2: element 1 names the node at place"), "{said}");
+    let message = fault(tetgen(&bytes("ball.node"), text("ball.ele").replacen("\n1 ", "\n1 9", 1).as_bytes()));
+    assert!(message.contains(".ele file, line 2: element 1 names the node at place"), "{message}");
 }
 
 /// A grid whose points are one block of zlib, with `declared` bytes in its header and `held` in the block.
@@ -312,18 +312,21 @@ fn packed(declared: u32, held: usize) -> String {
 
 #[test]
 fn a_block_that_swells_beyond_its_declared_size_is_refused_before_it_has() {
-    let said = |declared, held| vtu(packed(declared, held).as_bytes()).unwrap_err().to_string();
-    assert!(said(2400, 64 << 20).contains("holds more than 2400 bytes"), "{}", said(2400, 64 << 20));
-    assert!(said(2400, 240).contains("holds less than 2400 bytes"), "{}", said(2400, 240));
-    assert!(said(1 << 31, 240).contains("the limit is 134217728"), "{}", said(1 << 31, 240));
+    let refusal_of = |declared, held| vtu(packed(declared, held).as_bytes()).unwrap_err().to_string();
+    assert!(refusal_of(2400, 64 << 20).contains("holds more than 2400 bytes"), "{}", refusal_of(2400, 64 << 20));
+    assert!(refusal_of(2400, 240).contains("holds less than 2400 bytes"), "{}", refusal_of(2400, 240));
+    assert!(refusal_of(1 << 31, 240).contains("the limit is 134217728"), "{}", refusal_of(1 << 31, 240));
 }
 
 #[test]
 fn an_element_with_countless_attributes_is_refused_with_its_line() {
     let attributes: String = (0..200_000).map(|i| format!(" a{i}=\"1\"")).collect();
     let refused = vtu(format!("<VTKFile type=\"UnstructuredGrid\">\n<Piece{attributes}/></VTKFile>").as_bytes());
-    let said = refused.unwrap_err().to_string();
-    assert!(said.starts_with("line 2: an element has 200000 attributes") && said.contains("limit is 256"), "{said}");
+    let message = refused.unwrap_err().to_string();
+    assert!(
+        message.starts_with("line 2: an element has 200000 attributes") && message.contains("limit is 256"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -347,8 +350,8 @@ fn tetrahedra_of_lagrange_are_those_of_their_order() {
     let quadratic = text("ball_ascii.vtu");
     let (first, rest) = quadratic.split_once("Name=\"types\"").unwrap();
     let (types, rest) = rest.split_once("</DataArray>").unwrap();
-    let changed = format!("{first}Name=\"types\"{}</DataArray>{rest}", types.replace("24", "71"));
-    assert_ne!(changed, quadratic);
-    let read = vtu(changed.as_bytes()).unwrap().check(1.0, false).unwrap();
-    assert_eq!(elements(&read), elements(&ball("ball_ascii.vtu")));
+    let lagrange = format!("{first}Name=\"types\"{}</DataArray>{rest}", types.replace("24", "71"));
+    assert_ne!(lagrange, quadratic);
+    let mesh = vtu(lagrange.as_bytes()).unwrap().check(1.0, false).unwrap();
+    assert_eq!(elements(&mesh), elements(&ball("ball_ascii.vtu")));
 }

@@ -63,9 +63,9 @@ impl Table {
     }
 
     fn column(&self, name: &str) -> Vec<f64> {
-        let place =
+        let index =
             self.names.iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} in {:?}", self.names));
-        self.rows.iter().map(|row| row[place]).collect()
+        self.rows.iter().map(|row| row[index]).collect()
     }
 }
 
@@ -97,10 +97,10 @@ fn the_cantilever_bends_as_timoshenko_has_it() {
 #[test]
 fn frames_and_their_list_can_be_read_back() {
     solve("frames", &example("cantilever.toml")).unwrap();
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("frames/case.out");
-    let list = std::fs::read_to_string(out.join("case.pvd")).unwrap();
+    let output_folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("frames/case.out");
+    let list = std::fs::read_to_string(output_folder.join("case.pvd")).unwrap();
     assert!(list.contains("timestep=\"0.1\"") && list.contains("file=\"frame_0001.vtu\""), "{list}");
-    let frame = std::fs::read(out.join("frame_0001.vtu")).unwrap();
+    let frame = std::fs::read(output_folder.join("frame_0001.vtu")).unwrap();
     let mesh = vtu(&frame).unwrap().check(1.0, false).unwrap();
     assert_eq!(mesh.solid.element(0).len(), 10);
     assert!((mesh.regions[0].volume - 6e-6).abs() < 1e-15);
@@ -174,12 +174,12 @@ fn a_failed_step_keeps_the_last_state_and_names_the_time() {
     let ramp = "pressure = { ramp = { to = 1e6, seconds = 0.1 } }";
     let moving = "[dynamic]\nduration = 0.1\nstep = 0.005";
     let case = example("finger.toml").replace("pressure = 8.0e3", ramp).replace("\"quadratic\"", "\"linear\"");
-    let said =
+    let error =
         solve("lost", &case.replace("[static]\nlevels = [0.25, 0.5, 0.75, 1.0]", moving)).map(|_| ()).unwrap_err();
-    assert!(said.contains("no time step is found beyond 0.0") && said.contains("last_converged.vtu"), "{said}");
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lost/case.out");
-    assert!(!Table::read(&out.join("case.csv")).rows.is_empty());
-    assert!(vtu(&std::fs::read(out.join("last_converged.vtu")).unwrap()).is_ok());
+    assert!(error.contains("no time step is found beyond 0.0") && error.contains("last_converged.vtu"), "{error}");
+    let output_folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lost/case.out");
+    assert!(!Table::read(&output_folder.join("case.csv")).rows.is_empty());
+    assert!(vtu(&std::fs::read(output_folder.join("last_converged.vtu")).unwrap()).is_ok());
 }
 
 /// The hollow ball of `shape`'s tests, held so that it can swell but not move.
@@ -226,9 +226,9 @@ fn a_hollow_ball_swells_as_lame_has_it() {
     let (_, table) = solve("ball", &BALL.replace("[static]", "[static]\nlevels = [1e-9, 1.0]")).unwrap();
     let volume = table.column("chamber_0_volume_m3");
     let swollen = moduli(0.006, 0.01);
-    let found = volume[1] / volume[0] - 1.0;
+    let growth = volume[1] / volume[0] - 1.0;
     // 140 elements; the ball is not quite round
-    assert!((found / swollen - 1.0).abs() < 0.05, "{found:e} where {swollen:e} was expected");
+    assert!((growth / swollen - 1.0).abs() < 0.05, "{growth:e} where {swollen:e} was expected");
 }
 
 /// A ball of `radius` (m) about the origin as rings of triangles, its normals inwards when it is a cavity.
@@ -236,8 +236,8 @@ fn sphere(radius: f64, cavity: bool) -> Surface {
     let (rings, around) = (25, 48);
     let angles = (0..rings).map(|i| PI * (f64::from(i) + 0.5) / f64::from(rings));
     let ring = |polar: f64| (0..around).map(move |k| (polar, 2.0 * PI * f64::from(k) / f64::from(around)));
-    let place = |(p, a): (f64, f64)| [-p.cos(), p.sin() * a.cos(), p.sin() * a.sin()].map(|x| radius * x);
-    let mut points: Vec<[f64; 3]> = angles.flat_map(ring).map(place).collect();
+    let position = |(p, a): (f64, f64)| [-p.cos(), p.sin() * a.cos(), p.sin() * a.sin()].map(|x| radius * x);
+    let mut points: Vec<[f64; 3]> = angles.flat_map(ring).map(position).collect();
     points.extend([[-radius, 0.0, 0.0], [radius, 0.0, 0.0]]);
     let at = |i: u32, k: u32| i * around as u32 + k % around as u32;
     let (last, poles) = (rings as u32 - 1, [rings as u32 * around as u32, rings as u32 * around as u32 + 1]);
@@ -257,9 +257,9 @@ fn sphere(radius: f64, cavity: bool) -> Surface {
 fn a_ball_from_its_surface_alone_swells_as_lame_has_it() {
     let cad = folder("ball_cad");
     let (mut ball, hollow) = (sphere(0.02, false), sphere(0.014, true));
-    let first = ball.points.len() as u32;
+    let offset = ball.points.len() as u32;
     ball.points.extend(hollow.points);
-    ball.faces.extend(hollow.faces.iter().map(|face| face.map(|p| p + first)));
+    ball.faces.extend(hollow.faces.iter().map(|face| face.map(|p| p + offset)));
     std::fs::write(cad.join("ball.stl"), mesh::stl::write(&ball, 1e-3, "a ball")).unwrap();
     let case = format!(
         "[mesh]\nbody = \"{}\"\nedge = 0.004\nunit = \"mm\"\n[[region]]\nmaterial = \"neo_hookean\"\n\
@@ -270,8 +270,8 @@ fn a_ball_from_its_surface_alone_swells_as_lame_has_it() {
     );
     let (_, table) = solve("ball_alone", &case).unwrap();
     let volume = table.column("chamber_0_volume_m3");
-    let (found, swollen) = (volume[1] / volume[0] - 1.0, moduli(0.014, 0.02));
-    assert!((found / swollen - 1.0).abs() < 0.03, "{found:e} where {swollen:e} was expected");
+    let (growth, swollen) = (volume[1] / volume[0] - 1.0, moduli(0.014, 0.02));
+    assert!((growth / swollen - 1.0).abs() < 0.03, "{growth:e} where {swollen:e} was expected");
 }
 
 #[test]
@@ -300,9 +300,9 @@ fn a_motion_is_the_same_with_adaptive_steps() {
 
 #[test]
 fn a_motion_that_starts_in_its_equilibrium_stays_there() {
-    let still =
+    let equilibrium_start =
         example("swing.toml").replace("\"rest\"", "\"equilibrium\"").replace("duration = 0.5", "duration = 0.1");
-    let (_, table) = solve("still", &still.replace("\"quadratic\"", "\"linear\"")).unwrap();
+    let (_, table) = solve("still", &equilibrium_start.replace("\"quadratic\"", "\"linear\"")).unwrap();
     let tip = table.column("tip_uz_m");
     assert!(tip[0] < -1e-3 && tip.iter().all(|at| (at / tip[0] - 1.0).abs() < 1e-3), "{tip:?}");
 }
@@ -311,13 +311,13 @@ fn a_motion_that_starts_in_its_equilibrium_stays_there() {
 fn a_load_without_equilibrium_keeps_the_last_state_and_names_the_level() {
     let burst =
         BALL.replace("pressure = 1000.0", "pressure = 1e6").replace("[static]", "[static]\nlevels = [0.1, 9.0]");
-    let said = solve("burst", &burst).map(|_| ()).unwrap_err();
-    assert!(said.contains("case.toml: level 9: no equilibrium is found beyond"), "{said}");
-    assert!(said.contains("why: ") && said.contains("last_converged.vtu"), "{said}");
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("burst/case.out");
-    assert_eq!(Table::read(&out.join("case.csv")).rows.len(), 1);
-    assert!(vtu(&std::fs::read(out.join("last_converged.vtu")).unwrap()).is_ok());
-    assert!(std::fs::read_to_string(out.join("case.pvd")).unwrap().contains("last_converged.vtu"));
+    let error = solve("burst", &burst).map(|_| ()).unwrap_err();
+    assert!(error.contains("case.toml: level 9: no equilibrium is found beyond"), "{error}");
+    assert!(error.contains("why: ") && error.contains("last_converged.vtu"), "{error}");
+    let output_folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("burst/case.out");
+    assert_eq!(Table::read(&output_folder.join("case.csv")).rows.len(), 1);
+    assert!(vtu(&std::fs::read(output_folder.join("last_converged.vtu")).unwrap()).is_ok());
+    assert!(std::fs::read_to_string(output_folder.join("case.pvd")).unwrap().contains("last_converged.vtu"));
 }
 
 #[test]
@@ -350,10 +350,10 @@ fn what_does_not_fit_is_refused_with_one_clear_error() {
     ];
     for (number, (old, new, expected)) in tries.into_iter().enumerate() {
         assert!(beam.contains(old), "{old}");
-        let said = solve(&format!("refused_{number}"), &beam.replacen(old, new, 1)).map(|_| ()).unwrap_err();
-        assert!(said.contains(expected), "{new}: {said}");
-        assert!(said.contains("why: ") && said.contains("do:  "), "{said}");
-        assert!(said.starts_with('/') && (said.contains("case.toml") || said.contains(".msh")), "no file: {said}");
+        let error = solve(&format!("refused_{number}"), &beam.replacen(old, new, 1)).map(|_| ()).unwrap_err();
+        assert!(error.contains(expected), "{new}: {error}");
+        assert!(error.contains("why: ") && error.contains("do:  "), "{error}");
+        assert!(error.starts_with('/') && (error.contains("case.toml") || error.contains(".msh")), "no file: {error}");
     }
 }
 
@@ -361,23 +361,26 @@ fn what_does_not_fit_is_refused_with_one_clear_error() {
 fn a_case_and_a_mesh_that_do_not_match_are_both_named() {
     let beam = example("cantilever.toml");
     for (old, new) in [("name = \"beam\"", "name = \"bean\""), ("plane = { x = 0.0 }", "plane = { x = 0.5 }")] {
-        let said = solve("both_named", &beam.replacen(old, new, 1)).map(|_| ()).unwrap_err();
-        assert!(said.contains("case.toml: ") && said.contains("mesh: ") && said.contains("cantilever.msh"), "{said}");
+        let error = solve("both_named", &beam.replacen(old, new, 1)).map(|_| ()).unwrap_err();
+        assert!(
+            error.contains("case.toml: ") && error.contains("mesh: ") && error.contains("cantilever.msh"),
+            "{error}"
+        );
     }
 }
 
 #[test]
 fn a_region_without_material_is_named() {
-    let one = BALL.replacen("[[region]]\ntag = 3", "[[region]]\ntag = 4", 1);
-    let said = solve("other_region", &one).map(|_| ()).unwrap_err();
+    let wrong_tag = BALL.replacen("[[region]]\ntag = 3", "[[region]]\ntag = 4", 1);
+    let error = solve("other_region", &wrong_tag).map(|_| ()).unwrap_err();
     assert!(
-        said.contains("region 1 of the case (tag 4) is not in the mesh") && said.contains("`soft`, tag 7"),
-        "{said}"
+        error.contains("region 1 of the case (tag 4) is not in the mesh") && error.contains("`soft`, tag 7"),
+        "{error}"
     );
     let end = BALL.find("[[region]]\ntag = 3").unwrap();
     let begin = BALL.find("[[clamp]]").unwrap();
-    let said = solve("no_material", &(BALL[..end].to_owned() + &BALL[begin..])).map(|_| ()).unwrap_err();
-    assert!(said.contains("region `stiff`, tag 3 has 0 materials"), "{said}");
+    let error = solve("no_material", &(BALL[..end].to_owned() + &BALL[begin..])).map(|_| ()).unwrap_err();
+    assert!(error.contains("region `stiff`, tag 3 has 0 materials"), "{error}");
 }
 
 #[test]
@@ -392,12 +395,12 @@ fn two_surfaces_are_meshed_and_simulated() {
              density = 1070.0\n"
         )
     };
-    let place = |name: &str| format!("\"{}\"", tests.join(name).display());
+    let quoted_path = |name: &str| format!("\"{}\"", tests.join(name).display());
     let case = format!(
         "[mesh]\nbody = {}\nspine = {}\nedge = 0.008\nunit = \"mm\"\nhalf = true\norder = \"linear\"\n{}{}\
          [[clamp]]\nplane = {{ x = 0.0 }}\n[[chamber]]\nnumber = 0\npressure = 1e3\n[static]\n",
-        place("body.stl"),
-        place("spine.stl"),
+        quoted_path("body.stl"),
+        quoted_path("spine.stl"),
         region("body", 2e5),
         region("spine", 1e9),
     );
@@ -420,19 +423,19 @@ fn two_surfaces_are_meshed_and_simulated() {
 
 #[test]
 fn a_second_case_is_not_mixed_into_the_frames_of_another() {
-    let out = folder("shared-out");
-    std::fs::write(out.join("beam.pvd"), "").unwrap();
-    let refused = run(&here("examples/cantilever.toml"), Some(&out), true, None).unwrap_err().to_string();
+    let output_folder = folder("shared-out");
+    std::fs::write(output_folder.join("beam.pvd"), "").unwrap();
+    let refused = run(&here("examples/cantilever.toml"), Some(&output_folder), true, None).unwrap_err().to_string();
     assert!(refused.contains("another case, beam.pvd") && refused.contains("--out"), "{refused}");
-    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1, "nothing is added");
+    assert_eq!(std::fs::read_dir(&output_folder).unwrap().count(), 1, "nothing is added");
 }
 
 #[test]
 fn an_interrupt_ends_a_case() {
-    let out = std::env::temp_dir().join(format!("simulate-interrupted-{}", std::process::id()));
+    let output_folder = std::env::temp_dir().join(format!("simulate-interrupted-{}", std::process::id()));
     let case = here("examples/cantilever.toml");
-    let ended = run(&case, Some(&out), true, Some(std::sync::Arc::new(|| true))).unwrap_err().to_string();
+    let ended = run(&case, Some(&output_folder), true, Some(std::sync::Arc::new(|| true))).unwrap_err().to_string();
     assert!(ended.contains("interrupt"), "{ended}");
-    run(&case, Some(&out), true, Some(std::sync::Arc::new(|| false))).unwrap();
-    std::fs::remove_dir_all(&out).unwrap();
+    run(&case, Some(&output_folder), true, Some(std::sync::Arc::new(|| false))).unwrap();
+    std::fs::remove_dir_all(&output_folder).unwrap();
 }

@@ -153,16 +153,18 @@ mod tests {
 
     /// Three markers 40 px apart that swing by 0, 40 and 80 px, once in 30 frames.
     fn swinging() -> Vec<ImportedTrack> {
-        let at =
+        let position =
             |k: usize, frame: usize| [100.0 + 40.0 * k as f64, 90.0 + 40.0 * k as f64 * (0.21 * frame as f64).sin()];
-        let seen = |k, frame| Observation {
-            at: at(k, frame),
+        let observation = |k, frame| Observation {
+            at: position(k, frame),
             covariance: [[0.01, 0.0], [0.0, 0.01]],
             residual: 0.0,
             seen: true,
         };
-        let track =
-            |k: usize| ImportedTrack { name: format!("m{}", k + 1), seen: (0..60).map(|f| seen(k, f)).collect() };
+        let track = |k: usize| ImportedTrack {
+            name: format!("m{}", k + 1),
+            seen: (0..60).map(|f| observation(k, f)).collect(),
+        };
         (0..3).map(track).collect()
     }
 
@@ -181,13 +183,15 @@ mod tests {
 
     #[test]
     fn a_point_far_away_and_frames_in_another_order_are_refused_with_marker_and_frame() {
-        let said = refused(|tracks| tracks[1].seen[20].at[0] += 100.0);
+        let message = refused(|tracks| tracks[1].seen[20].at[0] += 100.0);
         assert!(
-            said.contains("marker `m2` moves by 100.") && said.contains("before frame 20") && said.contains("60.0"),
-            "{said}"
+            message.contains("marker `m2` moves by 100.")
+                && message.contains("before frame 20")
+                && message.contains("60.0"),
+            "{message}"
         );
-        let said = refused(|tracks| tracks.iter_mut().for_each(|track| track.seen.swap(8, 23)));
-        assert!(said.contains("marker `m2`") && said.contains("before frame 8"), "{said}");
+        let message = refused(|tracks| tracks.iter_mut().for_each(|track| track.seen.swap(8, 23)));
+        assert!(message.contains("marker `m2`") && message.contains("before frame 8"), "{message}");
     }
 
     /// A motion of 20 px in 80 frames passes the gate of steps in any order.
@@ -195,32 +199,32 @@ mod tests {
     fn frames_of_a_slow_motion_in_random_order_are_refused() {
         let order = |frame: usize| frame * 37 % 80;
         let tracks = |frames: &dyn Fn(usize) -> usize, size: f64| -> Vec<ImportedTrack> {
-            let at = |k: usize, frame: usize| {
+            let position = |k: usize, frame: usize| {
                 let phase = 0.06 * frames(frame) as f64;
                 [100.0 + 40.0 * k as f64, 90.0 + size * (1.0 + k as f64) * phase.sin()]
             };
-            let places = |k| (0..80).map(move |frame| (Some(at(k, frame)), [0.25, 0.0, 0.25]));
+            let places = |k| (0..80).map(move |frame| (Some(position(k, frame)), [0.25, 0.0, 0.25]));
             (0..2).map(|k| ImportedTrack::new(&format!("m{k}"), places(k))).collect()
         };
         let check = |frames: &dyn Fn(usize) -> usize, size| check_tracks(&mut tracks(frames, size), &LIMITS);
         assert_eq!(check(&|frame| frame, 10.0), Ok(()));
-        let said = check(&order, 10.0).unwrap_err().to_string();
-        assert!(said.contains("do not follow each other") && said.contains("the order of the film"), "{said}");
+        let message = check(&order, 10.0).unwrap_err().to_string();
+        assert!(message.contains("do not follow each other") && message.contains("the order of the film"), "{message}");
         assert_eq!(check(&order, 0.5), Ok(()), "what may be noise has no order");
     }
 
     #[test]
     fn a_place_that_is_repeated_while_the_others_move_is_refused_and_turning_points_are_not() {
-        let said = refused(|tracks| {
-            let held = tracks[1].seen[20];
-            tracks[1].seen[20..44].iter_mut().for_each(|seen| seen.at = held.at);
-            let after = tracks[1].seen[44].at;
+        let message = refused(|tracks| {
+            let repeated = tracks[1].seen[20];
+            tracks[1].seen[20..44].iter_mut().for_each(|seen| seen.at = repeated.at);
+            let next = tracks[1].seen[44].at;
             // the gate of steps sees a leap back: it comes back slowly
             let blend = |a: f64, b: f64, share: f64| a + share * (b - a);
-            (44..50).for_each(|k| tracks[1].seen[k].at[1] = blend(held.at[1], after[1], (k - 43) as f64 / 7.0));
+            (44..50).for_each(|k| tracks[1].seen[k].at[1] = blend(repeated.at[1], next[1], (k - 43) as f64 / 7.0));
         });
-        assert!(said.contains("`m2` stands at the very same place in 24 frames from frame 20 on"), "{said}");
-        assert!(said.contains("`m3` moves by"), "{said}");
+        assert!(message.contains("`m2` stands at the very same place in 24 frames from frame 20 on"), "{message}");
+        assert!(message.contains("`m3` moves by"), "{message}");
         let mut rounded = swinging();
         rounded.iter_mut().flat_map(|track| &mut track.seen).for_each(|seen| seen.at = seen.at.map(f64::round));
         assert_eq!(check_tracks(&mut rounded, &LIMITS), Ok(()), "the first does not move, the others turn");
@@ -229,13 +233,13 @@ mod tests {
     #[test]
     fn markers_that_change_places_are_refused_where_they_do() {
         for pair in [[0, 1], [1, 2], [0, 2]] {
-            let said = refused(|tracks| {
+            let message = refused(|tracks| {
                 for frame in 30..36 {
                     let [a, b] = pair.map(|k| tracks[k].seen[frame]);
                     (tracks[pair[0]].seen[frame], tracks[pair[1]].seen[frame]) = (b, a);
                 }
             });
-            assert!(said.contains("frame 30"), "{said}");
+            assert!(message.contains("frame 30"), "{message}");
         }
     }
 
@@ -249,9 +253,10 @@ mod tests {
         let mut tracks = swinging();
         lose(&mut tracks, 20..25);
         check_tracks(&mut tracks, &LIMITS).unwrap();
-        let off = tracks[2].seen.iter().zip(&swinging()[2].seen).map(|(a, b)| distance(a.at, b.at)).fold(0.0, f64::max);
+        let deviation =
+            tracks[2].seen.iter().zip(&swinging()[2].seen).map(|(a, b)| distance(a.at, b.at)).fold(0.0, f64::max);
         // a cubic over a fifth of a cycle of 80 px
-        assert!(off < 2.0 && tracks[2].seen[22].covariance[1][1] > 0.02, "{off}");
+        assert!(deviation < 2.0 && tracks[2].seen[22].covariance[1][1] > 0.02, "{deviation}");
         assert!(refused(|tracks| lose(tracks, 20..26)).contains("`m3` has no place in 6 frames from frame 20 on"));
         assert!(refused(|tracks| lose(tracks, 0..1)).contains("from frame 0 on"));
         assert!(refused(|tracks| lose(tracks, 59..60)).contains("from frame 59 on"));

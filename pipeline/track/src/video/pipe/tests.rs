@@ -60,8 +60,8 @@ fn film(pictures: usize) -> String {
 
 #[test]
 fn pictures_come_through_the_pipe_with_their_own_times() {
-    let both = StandIns::new("three", &film(3), THREE_TIMES);
-    let mut pipe = both.open().unwrap();
+    let stand_ins = StandIns::new("three", &film(3), THREE_TIMES);
+    let mut pipe = stand_ins.open().unwrap();
     assert_eq!((pipe.info().width, pipe.info().height, pipe.info().frames), (4, 2, 3));
     for k in 0..3 {
         let frame = pipe.next().unwrap().unwrap();
@@ -73,8 +73,8 @@ fn pictures_come_through_the_pipe_with_their_own_times() {
 
 #[test]
 fn a_pipe_that_ends_early_names_the_frame_and_the_words_on_stderr() {
-    let both = StandIns::new("two", &format!("{}\necho 'oh no\nit broke' >&2", film(2)), THREE_TIMES);
-    let mut pipe = both.open().unwrap();
+    let stand_ins = StandIns::new("two", &format!("{}\necho 'oh no\nit broke' >&2", film(2)), THREE_TIMES);
+    let mut pipe = stand_ins.open().unwrap();
     let _ = (pipe.next(), pipe.next());
     let error = pipe.next().unwrap().unwrap_err();
     assert!(matches!(error, VideoError::Damaged { frame: 2, expected: 3, .. }), "{error}");
@@ -98,16 +98,16 @@ fn a_silent_program_is_given_up() {
         // the shell is ended, what it started is left and keeps the output open
         ("orphan", "sleep 3 & sleep 3", THREE_TIMES, "ffmpeg"),
     ] {
-        let said = StandIns::new(name, ffmpeg, ffprobe).refused().to_string();
-        assert!(said.contains("nothing whole came") && said.contains("cannot be decoded by"), "{said}");
-        assert!(said.lines().next().unwrap().ends_with(program), "{said}");
+        let message = StandIns::new(name, ffmpeg, ffprobe).refused().to_string();
+        assert!(message.contains("nothing whole came") && message.contains("cannot be decoded by"), "{message}");
+        assert!(message.lines().next().unwrap().ends_with(program), "{message}");
     }
 }
 
 #[test]
 fn a_program_that_stops_within_a_picture_is_given_up_with_the_frame() {
-    let both = StandIns::new("stuck", &format!("{}\nprintf 'FRAME\n1234'\n{FOREVER}", film(1)), THREE_TIMES);
-    let mut pipe = both.open().unwrap();
+    let stand_ins = StandIns::new("stuck", &format!("{}\nprintf 'FRAME\n1234'\n{FOREVER}", film(1)), THREE_TIMES);
+    let mut pipe = stand_ins.open().unwrap();
     assert!(pipe.next().unwrap().is_ok());
     let start = Instant::now();
     let error = pipe.next().unwrap().unwrap_err();
@@ -119,15 +119,15 @@ fn a_program_that_stops_within_a_picture_is_given_up_with_the_frame() {
 #[test]
 fn output_without_end_is_bounded() {
     let zeros = "exec cat /dev/zero";
-    let said = StandIns::new("endless", zeros, THREE_TIMES).refused().to_string();
-    assert!(said.contains("a line of more than 4096 bytes"), "{said}");
-    let said = StandIns::new("endless-probe", HEAD, zeros).refused().to_string();
-    assert!(said.contains("a line of more than 4096 bytes"), "{said}");
+    let message = StandIns::new("endless", zeros, THREE_TIMES).refused().to_string();
+    assert!(message.contains("a line of more than 4096 bytes"), "{message}");
+    let message = StandIns::new("endless-probe", HEAD, zeros).refused().to_string();
+    assert!(message.contains("a line of more than 4096 bytes"), "{message}");
     // more pictures than times: the film ends with the last time
-    let both = StandIns::new("more", &format!("{HEAD}\nwhile printf 'FRAME\n12345678'; do :; done"), THREE_TIMES);
+    let stand_ins = StandIns::new("more", &format!("{HEAD}\nwhile printf 'FRAME\n12345678'; do :; done"), THREE_TIMES);
     assert_eq!(
         std::iter::from_fn({
-            let mut pipe = both.open().unwrap();
+            let mut pipe = stand_ins.open().unwrap();
             move || pipe.next()
         })
         .count(),
@@ -138,12 +138,12 @@ fn output_without_end_is_bounded() {
 #[test]
 fn much_text_on_stderr_neither_blocks_nor_fills_the_memory() {
     let noisy = format!("head -c 3000000 /dev/zero | tr '\\0' 'x' >&2\n{}", film(3));
-    let both = StandIns::new("noisy", &noisy, THREE_TIMES);
-    let mut pipe = both.open().unwrap();
+    let stand_ins = StandIns::new("noisy", &noisy, THREE_TIMES);
+    let mut pipe = stand_ins.open().unwrap();
     assert!((0..3).all(|_| pipe.next().unwrap().is_ok()));
-    drop((pipe, both));
-    let said = StandIns::new("shouting", "while :; do echo loud >&2; done", THREE_TIMES).refused().to_string();
-    assert!(said.contains("nothing whole came") && said.contains("loud; loud"), "{said}");
+    drop((pipe, stand_ins));
+    let message = StandIns::new("shouting", "while :; do echo loud >&2; done", THREE_TIMES).refused().to_string();
+    assert!(message.contains("nothing whole came") && message.contains("loud; loud"), "{message}");
 }
 
 #[test]
@@ -159,30 +159,30 @@ fn a_size_that_cannot_be_is_refused_before_memory_is_reserved() {
 
 #[test]
 fn a_missing_program_is_named() {
-    let both = StandIns::new("missing", HEAD, THREE_TIMES);
-    std::fs::remove_file(both.folder.join("ffprobe")).unwrap();
-    let said = both.refused().to_string();
-    assert!(said.contains("cannot be started") && said.contains("ffprobe"), "{said}");
-    drop(both);
-    let said = StandIns::new("no-frame", HEAD, "echo cannot open >&2; exit 1").refused().to_string();
-    assert!(said.contains("lists no frame; its stderr ends with: cannot open"), "{said}");
+    let stand_ins = StandIns::new("missing", HEAD, THREE_TIMES);
+    std::fs::remove_file(stand_ins.folder.join("ffprobe")).unwrap();
+    let message = stand_ins.refused().to_string();
+    assert!(message.contains("cannot be started") && message.contains("ffprobe"), "{message}");
+    drop(stand_ins);
+    let message = StandIns::new("no-frame", HEAD, "echo cannot open >&2; exit 1").refused().to_string();
+    assert!(message.contains("lists no frame; its stderr ends with: cannot open"), "{message}");
 }
 
 #[test]
 fn a_name_that_looks_like_an_option_is_passed_as_a_file() {
-    let both = StandIns::new("name", "echo \"$@\" >&2", "echo \"$@\" >&2");
-    let [ffmpeg, ffprobe] = ["ffmpeg", "ffprobe"].map(|name| both.folder.join(name));
+    let stand_ins = StandIns::new("name", "echo \"$@\" >&2", "echo \"$@\" >&2");
+    let [ffmpeg, ffprobe] = ["ffmpeg", "ffprobe"].map(|name| stand_ins.folder.join(name));
     let programs = Programs { ffmpeg, ffprobe, limit: SHORT };
-    let said = Pipe::open(Path::new("-version.mov"), programs, &[]).err().unwrap().to_string();
-    assert!(said.contains("file:-version.mov"), "{said}");
+    let message = Pipe::open(Path::new("-version.mov"), programs, &[]).err().unwrap().to_string();
+    assert!(message.contains("file:-version.mov"), "{message}");
 }
 
 #[test]
 fn a_film_that_is_left_early_leaves_no_process() {
-    let both = StandIns::new("left", &format!("echo $$ > \"$0.id\"\n{}\n{FOREVER}", film(1)), THREE_TIMES);
-    let mut pipe = both.open().unwrap();
+    let stand_ins = StandIns::new("left", &format!("echo $$ > \"$0.id\"\n{}\n{FOREVER}", film(1)), THREE_TIMES);
+    let mut pipe = stand_ins.open().unwrap();
     assert!(pipe.next().unwrap().is_ok());
-    let id = std::fs::read_to_string(both.folder.join("ffmpeg.id")).unwrap();
+    let id = std::fs::read_to_string(stand_ins.folder.join("ffmpeg.id")).unwrap();
     let process = Path::new("/proc").join(id.trim());
     assert!(process.exists() || !Path::new("/proc/self").exists());
     drop(pipe);
