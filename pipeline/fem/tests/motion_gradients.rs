@@ -16,9 +16,9 @@ const PLENTY: usize = usize::MAX;
 /// dilatation.
 fn system() -> System {
     let air = |cell: [usize; 3]| (1..5).contains(&cell[0]) && cell[1] == 3 && cell[2] == 0;
-    let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1] * (0.6 + 0.4 * at[1]), 0.01 * at[2]];
+    let position = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1] * (0.6 + 0.4 * at[1]), 0.01 * at[2]];
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
-    let mesh = box_mesh::to_quadratic(&box_mesh::grid([6, 5, 2], true, place, region));
+    let mesh = box_mesh::to_quadratic(&box_mesh::grid([6, 5, 2], true, position, region));
     let material = materials::by_name("neo_hookean").unwrap();
     let is = RegionProperties::elastic(material, 2.1e5, 0.45, 1e3);
     let clamps = Clamps::below_x(&mesh, 1e-9);
@@ -113,19 +113,19 @@ fn loss_of_state(n: usize, state: &State) -> (f64, LossGradient) {
 }
 
 fn loss(solver: &mut Solver, mesh: &Mesh, set: Set) -> f64 {
-    let made = record(solver, mesh, set, STEPS, PLENTY);
+    let trajectory = record(solver, mesh, set, STEPS, PLENTY);
     let (mut sum, mut n) = (0.0, 0);
     let mut see = |_: f64, state: &State| {
         sum += loss_of_state(n, state).0;
         n += 1;
     };
-    solver.replay(&made, &mut see).unwrap();
+    solver.replay(&trajectory, &mut see).unwrap();
     sum
 }
 
 fn gradient(solver: &mut Solver, mesh: &Mesh, set: Set, memory: usize) -> MotionGradient {
-    let made = record(solver, mesh, set, STEPS, memory);
-    solver.trajectory_adjoint(&made, &mut |n, state| loss_of_state(n, state).1).unwrap()
+    let trajectory = record(solver, mesh, set, STEPS, memory);
+    solver.trajectory_adjoint(&trajectory, &mut |n, state| loss_of_state(n, state).1).unwrap()
 }
 
 /// (name, the number, what the gradient says, step of the difference as a part of the number)
@@ -158,19 +158,20 @@ fn the_adjoint_agrees_with_converged_central_differences_for_every_parameter() {
     let mesh = system.mesh();
     for scheme in [Scheme::ImplicitEuler, Scheme::Bdf2] {
         let set = Set { scheme, ..SET };
-        let by = gradient(&mut system.solver(), mesh, set, PLENTY);
+        let adjoint = gradient(&mut system.solver(), mesh, set, PLENTY);
         let mut solver = system.solver();
         for (name, number, of, part) in CASES {
-            let mut near = set;
-            let value = *number(&mut near);
-            let mut at = |value: f64| {
-                *number(&mut near) = value;
-                loss(&mut solver, mesh, near)
+            let mut perturbed = set;
+            let value = *number(&mut perturbed);
+            let mut loss_at = |value: f64| {
+                *number(&mut perturbed) = value;
+                loss(&mut solver, mesh, perturbed)
             };
             let h = part * value;
-            let difference =
-                (8.0 * (at(value + h) - at(value - h)) - (at(value + 2.0 * h) - at(value - 2.0 * h))) / (12.0 * h);
-            let exact = of(&by, mesh);
+            let difference = (8.0 * (loss_at(value + h) - loss_at(value - h))
+                - (loss_at(value + 2.0 * h) - loss_at(value - 2.0 * h)))
+                / (12.0 * h);
+            let exact = of(&adjoint, mesh);
             assert!((exact / difference - 1.0).abs() < 1e-6, "{scheme:?} {name}: {exact:e} {difference:e}");
         }
     }
@@ -182,23 +183,23 @@ fn forward_sensitivities_agree_with_the_adjoint() {
     let mesh = system.mesh();
     let (node, axis) = (far_node(mesh), 1);
     let mut solver = system.solver();
-    let made = record(&mut solver, mesh, SET, STEPS, PLENTY);
-    let by = solver.trajectory_adjoint(&made, &mut |n, state| loss_of_state(n, state).1).unwrap();
+    let trajectory = record(&mut solver, mesh, SET, STEPS, PLENTY);
+    let adjoint = solver.trajectory_adjoint(&trajectory, &mut |n, state| loss_of_state(n, state).1).unwrap();
     let cases = [
-        (Parameter::YoungsModulus(1), by.regions[1].youngs_modulus),
-        (Parameter::PoissonsRatio(0), by.regions[0].poissons_ratio),
-        (Parameter::Density(0), by.regions[0].density),
-        (Parameter::Pressure(0), by.pressures.iter().map(|step| step[0]).sum()),
-        (Parameter::PressureGain(0), by.pressure_gains[0]),
-        (Parameter::Force { node, axis }, by.forces[3 * node + axis]),
-        (Parameter::MassDamping, by.mass_damping),
-        (Parameter::StiffnessDamping, by.stiffness_damping),
-        (Parameter::InitialDisplacement { node, axis }, by.initial.displacement[3 * node + axis]),
-        (Parameter::InitialVelocity { node, axis }, by.initial.velocity[3 * node + axis]),
+        (Parameter::YoungsModulus(1), adjoint.regions[1].youngs_modulus),
+        (Parameter::PoissonsRatio(0), adjoint.regions[0].poissons_ratio),
+        (Parameter::Density(0), adjoint.regions[0].density),
+        (Parameter::Pressure(0), adjoint.pressures.iter().map(|step| step[0]).sum()),
+        (Parameter::PressureGain(0), adjoint.pressure_gains[0]),
+        (Parameter::Force { node, axis }, adjoint.forces[3 * node + axis]),
+        (Parameter::MassDamping, adjoint.mass_damping),
+        (Parameter::StiffnessDamping, adjoint.stiffness_damping),
+        (Parameter::InitialDisplacement { node, axis }, adjoint.initial.displacement[3 * node + axis]),
+        (Parameter::InitialVelocity { node, axis }, adjoint.initial.velocity[3 * node + axis]),
     ];
     let mut slopes = Vec::new();
     let mut see = |_: f64, state: &State| slopes.push(loss_of_state(slopes.len(), state).1);
-    solver.replay(&made, &mut see).unwrap();
+    solver.replay(&trajectory, &mut see).unwrap();
     let mut sums = [0.0; 10];
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut add = |n: usize, changes: &[&State]| {
@@ -206,7 +207,7 @@ fn forward_sensitivities_agree_with_the_adjoint() {
             *sum += dot(&slopes[n].displacement, &change.displacement) + dot(&slopes[n].velocity, &change.velocity);
         }
     };
-    solver.trajectory_sensitivity(&made, &cases.map(|(parameter, _)| parameter), &mut add).unwrap();
+    solver.trajectory_sensitivity(&trajectory, &cases.map(|(parameter, _)| parameter), &mut add).unwrap();
     for ((parameter, backward), forward) in cases.iter().zip(sums) {
         assert!((forward / backward - 1.0).abs() < 1e-7, "{parameter:?} {forward:e} {backward:e}");
     }
@@ -217,25 +218,25 @@ fn the_gradient_of_a_motion_passes_the_taylor_test() {
     let system = system();
     let mesh = system.mesh();
     let mut solver = system.solver();
-    let by = gradient(&mut solver, mesh, SET, PLENTY);
+    let adjoint = gradient(&mut solver, mesh, SET, PLENTY);
     let value = loss(&mut solver, mesh, SET);
     let turn = [0.3 * SET.e[0], -0.2 * SET.e[1], -0.04, 2e2, 0.3];
-    let along = by.regions[0].youngs_modulus * turn[0]
-        + by.regions[1].youngs_modulus * turn[1]
-        + by.regions[0].poissons_ratio * turn[2]
-        + by.regions[1].density * turn[3]
-        + by.pressure_gains[0] * turn[4];
-    let left = [0.02, 0.01, 0.005].map(|step: f64| {
-        let mut near = SET;
-        near.e = [SET.e[0] + step * turn[0], SET.e[1] + step * turn[1]];
-        near.nu[0] += step * turn[2];
-        near.density[1] += step * turn[3];
-        near.gain += step * turn[4];
-        (loss(&mut solver, mesh, near) - value - step * along).abs()
+    let directional_derivative = adjoint.regions[0].youngs_modulus * turn[0]
+        + adjoint.regions[1].youngs_modulus * turn[1]
+        + adjoint.regions[0].poissons_ratio * turn[2]
+        + adjoint.regions[1].density * turn[3]
+        + adjoint.pressure_gains[0] * turn[4];
+    let remainders = [0.02, 0.01, 0.005].map(|step: f64| {
+        let mut perturbed = SET;
+        perturbed.e = [SET.e[0] + step * turn[0], SET.e[1] + step * turn[1]];
+        perturbed.nu[0] += step * turn[2];
+        perturbed.density[1] += step * turn[3];
+        perturbed.gain += step * turn[4];
+        (loss(&mut solver, mesh, perturbed) - value - step * directional_derivative).abs()
     });
-    for pair in left.windows(2) {
+    for pair in remainders.windows(2) {
         let order = (pair[0] / pair[1]).log2();
-        assert!((order - 2.0).abs() < 0.05, "{order} {left:?}");
+        assert!((order - 2.0).abs() < 0.05, "{order} {remainders:?}");
     }
 }
 
@@ -255,13 +256,13 @@ fn a_motion_in_checkpoint_segments_has_the_same_states_and_gradient() {
     let mut gradient =
         |made: &Trajectory| solver.trajectory_adjoint(made, &mut |n, state| loss_of_state(n, state).1).unwrap();
     let cut = gradient(&cut);
-    let mut other = system.solver();
-    let whole = record(&mut other, mesh, SET, steps, PLENTY);
-    let whole = gradient(&whole);
-    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-7;
-    assert!(near(whole.regions[0].youngs_modulus, cut.regions[0].youngs_modulus));
-    assert!(near(whole.regions[1].density, cut.regions[1].density));
-    assert!(near(whole.stiffness_damping, cut.stiffness_damping));
+    let mut second_solver = system.solver();
+    let full_trajectory = record(&mut second_solver, mesh, SET, steps, PLENTY);
+    let full_gradient = gradient(&full_trajectory);
+    let is_near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-7;
+    assert!(is_near(full_gradient.regions[0].youngs_modulus, cut.regions[0].youngs_modulus));
+    assert!(is_near(full_gradient.regions[1].density, cut.regions[1].density));
+    assert!(is_near(full_gradient.stiffness_damping, cut.stiffness_damping));
     let start = give(&mut solver, mesh, SET);
     let refused = solver
         .record(

@@ -14,8 +14,10 @@ fn shaken(mut mesh: Mesh) -> Mesh {
     let size = [0.03, 0.02, 0.01];
     for node in &mut mesh.nodes {
         if (0..3).all(|axis| node[axis] > 1e-9 && node[axis] < size[axis] - 1e-9) {
-            let at = *node;
-            (0..3).for_each(|axis| node[axis] += 4e-4 * (900.0 * at[(axis + 1) % 3] + 500.0 * at[axis]).sin());
+            let position = *node;
+            (0..3).for_each(|axis| {
+                node[axis] += 4e-4 * (900.0 * position[(axis + 1) % 3] + 500.0 * position[axis]).sin()
+            });
         }
     }
     mesh
@@ -35,16 +37,16 @@ fn a_uniform_stretch_passes_the_patch_test_for_every_material_and_element() {
             let system = System::new(mesh.clone(), vec![made_of(law.name(), 2e5, 0.4)], clamps).unwrap();
             let mut solver = system.solver();
             solver.set_forces(&pull(&mesh, 0.03, 2e4)).unwrap();
-            let found =
+            let equilibrium =
                 solver.equilibrium(&[], None, &StaticSettings { tolerance: 1e-13, ..Default::default() }).unwrap();
-            let stretch = uniform(&mesh, &found.displacement);
+            let stretch = uniform(&mesh, &equilibrium.displacement);
             let worst = mesh
                 .nodes
                 .iter()
-                .zip(found.displacement.chunks(3))
+                .zip(equilibrium.displacement.chunks(3))
                 .flat_map(|(at, moved)| (0..3).map(move |axis| (moved[axis] - stretch[axis] * at[axis]).abs()));
             let worst = worst.fold(0.0, f64::max);
-            assert!(worst < 1e-10 * 0.03 * stretch[0].abs(), "{} {worst:e} {}", law.name(), found.residual);
+            assert!(worst < 1e-10 * 0.03 * stretch[0].abs(), "{} {worst:e} {}", law.name(), equilibrium.residual);
             assert!(stretch[0] > 0.08 && stretch[1] < -0.03);
         }
     }
@@ -67,15 +69,15 @@ fn side_forces(mesh: &Mesh, end: f64, traction: [f64; 3]) -> Vec<f64> {
     let mut forces = vec![0.0; 3 * mesh.nodes.len()];
     for element in 0..mesh.elements.len() {
         let nodes = mesh.elements.nodes(element);
-        let on: Vec<usize> = (0..4).filter(|&n| (mesh.nodes[nodes[n] as usize][0] - end).abs() < 1e-9).collect();
-        if on.len() != 3 {
+        let on_side: Vec<usize> = (0..4).filter(|&n| (mesh.nodes[nodes[n] as usize][0] - end).abs() < 1e-9).collect();
+        if on_side.len() != 3 {
             continue;
         }
-        let [a, b, c] = [0, 1, 2].map(|n| mesh.nodes[nodes[on[n]] as usize]);
+        let [a, b, c] = [0, 1, 2].map(|n| mesh.nodes[nodes[on_side[n]] as usize]);
         let area = 0.5 * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])).abs();
         // ∫ N over a straight triangle: a third at each corner of 3 nodes; a third at each middle of 6, none at corners
         let takers: Vec<u32> = if nodes.len() == 4 {
-            on.iter().map(|&n| nodes[n]).collect()
+            on_side.iter().map(|&n| nodes[n]).collect()
         } else {
             nodes[4..].iter().copied().filter(|&n| (mesh.nodes[n as usize][0] - end).abs() < 1e-9).collect()
         };
@@ -103,11 +105,11 @@ fn one_layer_of_quadratic_elements_bends_like_timoshenkos_beam_near_incompressib
     let system = System::new(mesh, vec![made_of("linear", e, nu)], clamps).unwrap();
     let mut solver = system.solver();
     solver.set_forces(&forces).unwrap();
-    let found = solver.equilibrium(&[], None, &StaticSettings::default()).unwrap();
+    let equilibrium = solver.equilibrium(&[], None, &StaticSettings::default()).unwrap();
     let second_moment = width * height.powi(3) / 12.0;
     let shear = e / (2.0 * (1.0 + nu)) * width * height * 5.0 / 6.0;
     let exact = force * length.powi(3) / (3.0 * e * second_moment) + force * length / shear;
-    let ratio = found.displacement[3 * tip + 2] / exact;
+    let ratio = equilibrium.displacement[3 * tip + 2] / exact;
     assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
 }
 
@@ -115,35 +117,35 @@ fn one_layer_of_quadratic_elements_bends_like_timoshenkos_beam_near_incompressib
 fn thick_sphere(inner: f64, outer: f64, layers: usize) -> Mesh {
     let half = 2;
     let cells = 2 * (half + layers);
-    let place = move |at: [f64; 3]| {
+    let position = move |at: [f64; 3]| {
         let cube = [2.0 * at[0] - 1.0, 2.0 * at[1] - 1.0, at[2]].map(|x| x * (half + layers) as f64);
-        let most = cube.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let max_norm = cube.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let size = cube.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let radius = inner + (outer - inner) * (most - half as f64) / layers as f64;
-        cube.map(|x| if most < half as f64 - 0.5 { 0.0 } else { x / size * radius })
+        let radius = inner + (outer - inner) * (max_norm - half as f64) / layers as f64;
+        cube.map(|x| if max_norm < half as f64 - 0.5 { 0.0 } else { x / size * radius })
     };
     let air = move |cell: [usize; 3]| {
         [cell[0], cell[1]].iter().all(|&at| at >= layers && at < layers + 2 * half) && cell[2] < half
     };
-    let straight = box_mesh::grid([cells, cells, cells / 2], true, place, |cell| (!air(cell)).then_some(0));
+    let straight = box_mesh::grid([cells, cells, cells / 2], true, position, |cell| (!air(cell)).then_some(0));
     let mut mesh = box_mesh::to_quadratic(&straight);
     // middle nodes onto their spheres: those of edges whose ends have the same radius
     let radius = |at: [f64; 3]| at.iter().map(|x| x * x).sum::<f64>().sqrt();
     for shell in 0..=layers {
-        let wanted = inner + (outer - inner) * shell as f64 / layers as f64;
-        let on: Vec<bool> = straight.nodes.iter().map(|&at| (radius(at) - wanted).abs() < 1e-9).collect();
+        let shell_radius = inner + (outer - inner) * shell as f64 / layers as f64;
+        let on_shell: Vec<bool> = straight.nodes.iter().map(|&at| (radius(at) - shell_radius).abs() < 1e-9).collect();
         let fem::Elements::Quadratic(tets) = &mesh.elements else { unreachable!() };
         let edges = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)];
-        let mut moved = mesh.nodes.clone();
+        let mut projected = mesh.nodes.clone();
         for tet in tets {
             for (edge, (a, b)) in edges.into_iter().enumerate() {
-                if on[tet[a] as usize] && on[tet[b] as usize] {
-                    let at = mesh.nodes[tet[4 + edge] as usize];
-                    moved[tet[4 + edge] as usize] = at.map(|x| x * wanted / radius(at));
+                if on_shell[tet[a] as usize] && on_shell[tet[b] as usize] {
+                    let edge_middle = mesh.nodes[tet[4 + edge] as usize];
+                    projected[tet[4 + edge] as usize] = edge_middle.map(|x| x * shell_radius / radius(edge_middle));
                 }
             }
         }
-        mesh.nodes = moved;
+        mesh.nodes = projected;
     }
     mesh
 }
@@ -158,13 +160,15 @@ fn a_thick_sphere_under_pressure_agrees_with_lames_solution() {
         |at| at[1].abs() < 1e-9,
     ));
     let system = System::new(mesh.clone(), vec![made_of("neo_hookean", e, nu)], clamps).unwrap();
-    let found = system.solver().equilibrium(&[pressure], None, &StaticSettings::default()).unwrap();
+    let equilibrium = system.solver().equilibrium(&[pressure], None, &StaticSettings::default()).unwrap();
     let radial = |wanted: f64| {
-        let on = mesh.nodes.iter().enumerate().filter(|(_, at)| (norm(at) - wanted).abs() < 1e-6);
-        let moved: Vec<f64> = on
-            .map(|(node, at)| (0..3).map(|axis| found.displacement[3 * node + axis] * at[axis]).sum::<f64>() / wanted)
+        let wall_nodes = mesh.nodes.iter().enumerate().filter(|(_, at)| (norm(at) - wanted).abs() < 1e-6);
+        let radial_displacements: Vec<f64> = wall_nodes
+            .map(|(node, at)| {
+                (0..3).map(|axis| equilibrium.displacement[3 * node + axis] * at[axis]).sum::<f64>() / wanted
+            })
             .collect();
-        moved.iter().sum::<f64>() / moved.len() as f64
+        radial_displacements.iter().sum::<f64>() / radial_displacements.len() as f64
     };
     let scale = pressure * a.powi(3) / (e * (b.powi(3) - a.powi(3)));
     for r in [a, b] {

@@ -31,20 +31,20 @@ const LENS: Lens = Lens {
 
 /// Poses that look down on the board in different tilts, as a person holds it.
 fn poses() -> Vec<Pose> {
-    let mut out = Vec::new();
+    let mut tilted_poses = Vec::new();
     for k in 0..15 {
         let angle = f64::from(k) * 2.4;
         let tilt = 0.15 + 0.03 * f64::from(k);
-        let down = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [0.0; 3]);
+        let downward = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [0.0; 3]);
         let tilted = Pose::from_vector([tilt * angle.cos(), tilt * angle.sin(), 0.2 * angle.sin()], [0.0; 3]);
         let rotation =
-            [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|m| tilted.rotation[i][m] * down.rotation[m][j]).sum()));
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|m| tilted.rotation[i][m] * downward.rotation[m][j]).sum()));
         let turned = Pose { rotation, translation: [0.0; 3] };
         let middle = turned.apply([0.0875, 0.05, 0.0]);
-        let place = [0.09 * angle.sin(), 0.04 * (1.7 * angle).cos(), 0.42 + 0.01 * f64::from(k)];
-        out.push(Pose { rotation, translation: [0, 1, 2].map(|i| place[i] - middle[i]) });
+        let centre = [0.09 * angle.sin(), 0.04 * (1.7 * angle).cos(), 0.42 + 0.01 * f64::from(k)];
+        tilted_poses.push(Pose { rotation, translation: [0, 1, 2].map(|i| centre[i] - middle[i]) });
     }
-    out
+    tilted_poses
 }
 
 fn views(noise: f64, seed: u64) -> Vec<View> {
@@ -57,40 +57,46 @@ fn views(noise: f64, seed: u64) -> Vec<View> {
 
 #[test]
 fn clean_corners_give_the_lens_back() {
-    let found = calibrate(&views(0.0, 0), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
-    let (a, b) = (found.lens, LENS);
+    let calibration = calibrate(&views(0.0, 0), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
+    let (a, b) = (calibration.lens, LENS);
     for (name, x, y) in [("fx", a.fx, b.fx), ("fy", a.fy, b.fy), ("cx", a.cx, b.cx), ("cy", a.cy, b.cy)] {
         assert!((x / y - 1.0).abs() < 1e-6, "{name} {x} {y}");
     }
     for (x, y) in [(a.k1, b.k1), (a.k2, b.k2), (a.p1, b.p1), (a.p2, b.p2), (a.k3, b.k3)] {
         assert!((x - y).abs() < 1e-6, "{x} {y}");
     }
-    for (pose, truth) in found.poses.iter().zip(poses()) {
+    for (pose, truth) in calibration.poses.iter().zip(poses()) {
         assert!(si::vec3::norm(si::vec3::sub(pose.centre(), truth.centre())) < 1e-6);
     }
-    assert!(found.reprojection_px < 1e-6);
+    assert!(calibration.reprojection_px < 1e-6);
 }
 
 #[test]
 fn a_tenth_of_a_pixel_of_noise_moves_the_focal_length_by_less_than_half_a_percent() {
     for seed in 1..4 {
-        let found = calibrate(&views(0.1, seed), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
-        assert!((found.lens.fx / LENS.fx - 1.0).abs() < 5e-3 && (found.lens.fy / LENS.fy - 1.0).abs() < 5e-3);
-        assert!((found.reprojection_px / (0.1 * 2.0_f64.sqrt()) - 1.0).abs() < 0.1, "{}", found.reprojection_px);
+        let calibration = calibrate(&views(0.1, seed), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
+        assert!(
+            (calibration.lens.fx / LENS.fx - 1.0).abs() < 5e-3 && (calibration.lens.fy / LENS.fy - 1.0).abs() < 5e-3
+        );
+        assert!(
+            (calibration.reprojection_px / (0.1 * 2.0_f64.sqrt()) - 1.0).abs() < 0.1,
+            "{}",
+            calibration.reprojection_px
+        );
     }
 }
 
 #[test]
 fn the_standard_deviations_tell_the_scatter_over_repeated_calibrations() {
-    let found: Vec<_> = (1..=24)
+    let calibrations: Vec<_> = (1..=24)
         .map(|seed| calibrate(&views(0.1, seed), &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap())
         .collect();
     let scatter = |value: usize| {
-        let mean = found.iter().map(|c| c.lens.values()[value]).sum::<f64>() / 24.0;
-        (found.iter().map(|c| (c.lens.values()[value] - mean).powi(2)).sum::<f64>() / 23.0).sqrt()
+        let mean = calibrations.iter().map(|c| c.lens.values()[value]).sum::<f64>() / 24.0;
+        (calibrations.iter().map(|c| (c.lens.values()[value] - mean).powi(2)).sum::<f64>() / 23.0).sqrt()
     };
     for value in [0, 3, 4, 7] {
-        let stated = found[0].sigma()[value];
+        let stated = calibrations[0].sigma()[value];
         // the scatter of 24 draws is itself known to 15 %: three of that
         assert!((scatter(value) / stated - 1.0).abs() < 0.45, "{} {stated}", scatter(value));
     }
@@ -101,9 +107,9 @@ fn a_pose_comes_back_from_points_of_a_raised_plane() {
     for pose in poses() {
         let points: Vec<_> = BOARD.corner_points().iter().map(|c| [c[0], c[1], 0.013]).collect();
         let pixels: Vec<_> = points.iter().map(|&p| LENS.project(pose.apply(p)).unwrap()).collect();
-        let found = pose_from_plane(&LENS, &points, &pixels).unwrap();
-        assert!(si::vec3::norm(si::vec3::sub(found.centre(), pose.centre())) < 1e-9);
-        assert!(reprojection_error(&LENS, &found, &points, &pixels) < 1e-7);
+        let recovered = pose_from_plane(&LENS, &points, &pixels).unwrap();
+        assert!(si::vec3::norm(si::vec3::sub(recovered.centre(), pose.centre())) < 1e-9);
+        assert!(reprojection_error(&LENS, &recovered, &points, &pixels) < 1e-7);
     }
 }
 
@@ -126,9 +132,9 @@ fn points_off_the_plane_or_on_a_line_are_refused() {
 
 #[test]
 fn two_views_or_views_of_one_tilt_are_refused() {
-    let all = views(0.05, 9);
-    let two = calibrate(&all[..2], &BOARD.corner_points(), Distortion::BrownConrady, SIZE);
-    assert!(matches!(two, Err(CalibrateError::TooFewViews { given: 2, needed: 3 })));
+    let all_views = views(0.05, 9);
+    let two_view_result = calibrate(&all_views[..2], &BOARD.corner_points(), Distortion::BrownConrady, SIZE);
+    assert!(matches!(two_view_result, Err(CalibrateError::TooFewViews { given: 2, needed: 3 })));
     let flat = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [-0.08, 0.05, 0.5]);
     let mut random = Noise(5);
     let mut see = || {
@@ -136,15 +142,15 @@ fn two_views_or_views_of_one_tilt_are_refused() {
         View::of_whole_board(BOARD.corner_points().iter().map(corner).collect())
     };
     let alike: Vec<_> = (0..5).map(|_| see()).collect();
-    let found = calibrate(&alike, &BOARD.corner_points(), Distortion::BrownConrady, SIZE);
-    assert!(matches!(found, Err(CalibrateError::Degenerate { .. })), "{found:?}");
+    let result = calibrate(&alike, &BOARD.corner_points(), Distortion::BrownConrady, SIZE);
+    assert!(matches!(result, Err(CalibrateError::Degenerate { .. })), "{result:?}");
 }
 
 #[test]
 fn a_view_with_missing_corners_is_refused_by_its_number() {
-    let mut all = views(0.0, 0);
-    all[3].corners.pop();
-    let error = calibrate(&all, &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap_err();
+    let mut all_views = views(0.0, 0);
+    all_views[3].corners.pop();
+    let error = calibrate(&all_views, &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap_err();
     assert_eq!(error, CalibrateError::Corners { view: 3, given: 39, expected: 40 });
 }
 
@@ -156,27 +162,27 @@ fn a_fisheye_comes_back_from_its_own_corners() {
         |pose: &Pose| BOARD.corner_points().iter().map(|&c| lens.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
     let nearer = |pose: Pose| Pose { translation: pose.translation.map(|x| 0.45 * x), ..pose };
     let views: Vec<_> = poses().into_iter().map(|pose| View::of_whole_board(see(&nearer(pose)))).collect();
-    let found = calibrate(&views, &BOARD.corner_points(), Distortion::Fisheye, SIZE).unwrap();
-    assert!(found.reprojection_px < 1e-4, "{}", found.reprojection_px);
-    for (value, truth) in found.lens.values().iter().zip(lens.values()).take(5) {
+    let calibration = calibrate(&views, &BOARD.corner_points(), Distortion::Fisheye, SIZE).unwrap();
+    assert!(calibration.reprojection_px < 1e-4, "{}", calibration.reprojection_px);
+    for (value, truth) in calibration.lens.values().iter().zip(lens.values()).take(5) {
         assert!((value - truth).abs() < 1e-3 * truth.abs(), "{value} {truth}");
     }
     let brown = calibrate(&views, &BOARD.corner_points(), Distortion::BrownConrady, SIZE).unwrap();
-    assert!(brown.reprojection_px > 10.0 * found.reprojection_px);
+    assert!(brown.reprojection_px > 10.0 * calibration.reprojection_px);
 }
 
 #[test]
 fn the_joint_covariance_tells_the_scatter_of_where_the_camera_stands() {
     let pose = poses()[4];
     let points = BOARD.corner_points();
-    let seen = |random: &mut Noise| -> Vec<Point2> {
+    let observe = |random: &mut Noise| -> Vec<Point2> {
         points.iter().map(|&p| LENS.project(pose.apply(p)).unwrap().map(|v| v + 0.1 * random.next())).collect()
     };
     let mut stated = [0.0; 3];
-    let found: Vec<Pose> = (1..=24)
+    let estimated_poses: Vec<Pose> = (1..=24)
         .map(|seed| {
             let camera = calibrate(&views(0.1, seed), &points, Distortion::BrownConrady, SIZE).unwrap();
-            let pixels = seen(&mut Noise(100 + seed));
+            let pixels = observe(&mut Noise(100 + seed));
             let pose = pose_from_plane(&camera.lens, &points, &pixels).unwrap();
             let joint = joint_covariance((&camera.lens, &camera.covariance), &pose, &points, &pixels).unwrap();
             stated = [12, 13, 14].map(|k| joint[k][k].sqrt());
@@ -184,8 +190,8 @@ fn the_joint_covariance_tells_the_scatter_of_where_the_camera_stands() {
         })
         .collect();
     for (k, stated) in stated.iter().enumerate() {
-        let mean = found.iter().map(|p| p.translation[k]).sum::<f64>() / 24.0;
-        let scatter = (found.iter().map(|p| (p.translation[k] - mean).powi(2)).sum::<f64>() / 23.0).sqrt();
+        let mean = estimated_poses.iter().map(|p| p.translation[k]).sum::<f64>() / 24.0;
+        let scatter = (estimated_poses.iter().map(|p| (p.translation[k] - mean).powi(2)).sum::<f64>() / 23.0).sqrt();
         // 24 draws give a standard deviation to 15 %, and one view's misses its own noise to 10 %
         assert!((scatter / stated - 1.0).abs() < 0.5, "{k}: {scatter} {stated}");
     }
@@ -199,9 +205,12 @@ fn a_focal_length_that_the_views_contradict_is_said_with_both() {
     let difference = |by: f64| focal_difference(&lens(by), &seen, &corners, SIZE);
     assert_eq!([1.0, 1.03, 0.97].map(difference), [None; 3]);
     for by in [1.2, 0.8] {
-        let found = difference(by).unwrap();
-        let known = format!("a focal length of {:.0} px, the views of the board give 147", by * LENS.fx);
-        assert!(found.to_string().contains(&known) && found.reason().contains("they differ by 20 %"), "{found}");
+        let warning = difference(by).unwrap();
+        let expected = format!("a focal length of {:.0} px, the views of the board give 147", by * LENS.fx);
+        assert!(
+            warning.to_string().contains(&expected) && warning.reason().contains("they differ by 20 %"),
+            "{warning}"
+        );
     }
     // three views of one tilt do not determine it
     assert_eq!(focal_difference(&Lens { fx: 1600.0, ..LENS }, &seen[..2], &corners, SIZE), None);
@@ -217,7 +226,7 @@ fn the_mean_of_views_of_parts_is_that_of_the_views_that_show_a_point() {
     let points = BOARD.corner_points();
     assert_eq!(mean.points(&points), [points[0], points[1], points[4]]);
     assert_eq!((mean.corner_pixel(4), mean.corner_pixel(3)), (Some([41.0, 3.0]), None));
-    let whole =
+    let full_views =
         [View::of_whole_board(vec![[0.0, 0.0], [2.0, 0.0]]), View::of_whole_board(vec![[1.0, 1.0], [2.0, 2.0]])];
-    assert_eq!(View::mean(&whole), View::of_whole_board(vec![[0.5, 0.5], [2.0, 1.0]]));
+    assert_eq!(View::mean(&full_views), View::of_whole_board(vec![[0.5, 0.5], [2.0, 1.0]]));
 }

@@ -23,8 +23,8 @@ fn track(scene: &Scene, frames: usize) -> Tracked {
     let mut tracker = Tracker::new(&scene.picture(0), &scene.places(0), settings).unwrap();
     let mut observations: Vec<Vec<Observation>> = tracker.observations().iter().map(|s| vec![*s]).collect();
     for k in 1..frames {
-        let seen = tracker.step(&scene.picture(k)).unwrap();
-        observations.iter_mut().zip(seen).for_each(|(track, s)| track.push(s));
+        let observed = tracker.step(&scene.picture(k)).unwrap();
+        observations.iter_mut().zip(observed).for_each(|(track, s)| track.push(s));
     }
     tracker.finish().unwrap();
     observations.iter_mut().for_each(|track| fill_gaps(track));
@@ -40,8 +40,8 @@ impl Tracked {
 
     /// Root mean square distance of what was seen from the truth, px.
     fn rms(&self) -> f64 {
-        let seen: Vec<f64> = self.pairs().filter(|(s, _)| s.seen).map(|(s, p)| away(s.at, *p).powi(2)).collect();
-        (seen.iter().sum::<f64>() / seen.len() as f64).sqrt()
+        let squares: Vec<f64> = self.pairs().filter(|(s, _)| s.seen).map(|(s, p)| away(s.at, *p).powi(2)).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 
     /// Share of single axes whose 95 % interval holds the truth, hidden frames as well.
@@ -49,8 +49,8 @@ impl Tracked {
         let inside = |(s, p): (&Observation, &Point2)| {
             [0, 1].iter().filter(|&&k| (s.at[k] - p[k]).abs() < 1.96 * s.covariance[k][k].sqrt()).count()
         };
-        let held: usize = self.pairs().map(inside).sum();
-        held as f64 / (2 * self.pairs().count()) as f64
+        let contained: usize = self.pairs().map(inside).sum();
+        contained as f64 / (2 * self.pairs().count()) as f64
     }
 
     fn hidden(&self) -> usize {
@@ -69,27 +69,27 @@ fn slow() -> Scene {
 
 #[test]
 fn fractions_of_a_pixel_are_followed_to_three_hundredths() {
-    let found = track(&slow(), 60);
-    assert!(found.rms() < 0.03, "{}", found.rms());
+    let tracked = track(&slow(), 60);
+    assert!(tracked.rms() < 0.03, "{}", tracked.rms());
 }
 
 #[test]
 fn a_turn_of_a_right_angle_is_borne() {
     let scene = Scene::new(|k| vec![([120.0, 120.0], 0.026 * k as f64), ([220.0, 100.0], -0.026 * k as f64)]);
-    let found = track(&Scene { crosses: true, ..scene }, 60);
-    assert!(found.rms() < 0.04 && found.hidden() == 0, "{}", found.rms());
+    let tracked = track(&Scene { crosses: true, ..scene }, 60);
+    assert!(tracked.rms() < 0.04 && tracked.hidden() == 0, "{}", tracked.rms());
 }
 
 #[test]
 fn light_that_fades_to_two_thirds_and_back_moves_nothing() {
-    let found = track(&Scene { light: |k| 1.0 - 0.17 * (1.0 - (0.1 * k as f64).cos()), ..slow() }, 60);
-    assert!(found.rms() < 0.03, "{}", found.rms());
+    let tracked = track(&Scene { light: |k| 1.0 - 0.17 * (1.0 - (0.1 * k as f64).cos()), ..slow() }, 60);
+    assert!(tracked.rms() < 0.03, "{}", tracked.rms());
 }
 
 #[test]
 fn blur_of_two_pixels_moves_nothing() {
-    let found = track(&Scene { blur: |k| 2.0 * (0.05 * k as f64).sin().abs(), ..slow() }, 60);
-    assert!(found.rms() < 0.05 && found.hidden() == 0, "{}", found.rms());
+    let tracked = track(&Scene { blur: |k| 2.0 * (0.05 * k as f64).sin().abs(), ..slow() }, 60);
+    assert!(tracked.rms() < 0.05 && tracked.hidden() == 0, "{}", tracked.rms());
 }
 
 #[test]
@@ -101,10 +101,10 @@ fn a_marker_covered_for_half_a_second_is_found_again_and_the_gap_is_filled_with_
     };
     let path = |k: usize| [120.0 + 30.0 * (0.1 * k as f64).sin(), 80.0];
     let scene = Scene { show, ..Scene::new(move |k| vec![(path(k), 0.0), ([220.0, 170.0], 0.0)]) };
-    let found = track(&scene, 90);
-    assert!((24..=32).contains(&found.hidden()), "{}", found.hidden());
-    assert!(found.rms() < 0.03, "{}", found.rms());
-    for (s, p) in found.pairs().filter(|(s, _)| !s.seen) {
+    let tracked = track(&scene, 90);
+    assert!((24..=32).contains(&tracked.hidden()), "{}", tracked.hidden());
+    assert!(tracked.rms() < 0.03, "{}", tracked.rms());
+    for (s, p) in tracked.pairs().filter(|(s, _)| !s.seen) {
         assert!(away(s.at, *p) < 3.0 * (s.covariance[0][0] + s.covariance[1][1]).sqrt(), "{s:?} {p:?}");
     }
 }
@@ -117,8 +117,8 @@ fn a_hidden_marker_is_not_found_in_its_neighbour() {
         }
     };
     let scene = Scene { show, ..Scene::new(|_| vec![([120.0, 120.0], 0.0), ([175.0, 120.0], 0.0)]) };
-    let found = track(&scene, 50);
-    assert!(found.hidden() == 20 && found.rms() < 0.03, "{} {}", found.hidden(), found.rms());
+    let tracked = track(&scene, 50);
+    assert!(tracked.hidden() == 20 && tracked.rms() < 0.03, "{} {}", tracked.hidden(), tracked.rms());
 }
 
 #[test]
@@ -145,34 +145,34 @@ fn ripples_that_shake_the_picture_by_a_pixel_are_followed_and_not_smoothed() {
         let shake = [0.9 * (1.9 * k as f64).sin(), 0.7 * (2.3 * k as f64).cos()];
         vec![([110.0 + shake[0], 90.0 + shake[1]], 0.0), ([200.0 - shake[1], 150.0 + shake[0]], 0.0)]
     });
-    let found = track(&scene, 60);
-    assert!(found.rms() < 0.03, "{}", found.rms());
+    let tracked = track(&scene, 60);
+    assert!(tracked.rms() < 0.03, "{}", tracked.rms());
 }
 
 #[test]
 fn a_soft_glare_that_wanders_over_a_marker_moves_it_by_less_than_a_tenth() {
     let show: Show = |k, picture| stage::glare(picture, [60.0 + 3.0 * k as f64, 100.0], 30.0, 14.0);
     let scene = Scene { show, ..slow() };
-    let found = track(&scene, 60);
-    assert!(found.rms() < 0.1 && found.hidden() == 0, "{}", found.rms());
+    let tracked = track(&scene, 60);
+    assert!(tracked.rms() < 0.1 && tracked.hidden() == 0, "{}", tracked.rms());
 }
 
 #[test]
 fn nothing_drifts_by_half_a_pixel_over_three_thousand_frames() {
-    let place = |k: usize| {
+    let path = |k: usize| {
         let t = k as f64 / 60.0;
         [100.0 + 40.0 * (8.0 * t).sin(), 90.0 + 20.0 * (5.0 * t).cos()]
     };
-    let scene = Scene { size: (200, 180), ..Scene::new(move |k| vec![(place(k), 0.0)]) };
+    let scene = Scene { size: (200, 180), ..Scene::new(move |k| vec![(path(k), 0.0)]) };
     let mut tracker = Tracker::new(&scene.picture(0), &scene.places(0), Settings::default()).unwrap();
-    let mut last = Vec::new();
+    let mut late_errors = Vec::new();
     for k in 1..3000 {
-        let seen = tracker.step(&scene.picture(k)).unwrap();
+        let observed = tracker.step(&scene.picture(k)).unwrap();
         if k >= 2900 {
-            last.push([seen[0].at[0] - place(k)[0], seen[0].at[1] - place(k)[1]]);
+            late_errors.push([observed[0].at[0] - path(k)[0], observed[0].at[1] - path(k)[1]]);
         }
     }
-    let drift = [0, 1].map(|i| last.iter().map(|d| d[i]).sum::<f64>() / last.len() as f64);
+    let drift = [0, 1].map(|i| late_errors.iter().map(|d| d[i]).sum::<f64>() / late_errors.len() as f64);
     assert!(drift[0].hypot(drift[1]) < 0.05, "{drift:?}");
 }
 
@@ -194,10 +194,10 @@ fn flapping(quantiser: u8, flank: f64) -> Scene {
 fn intervals_of_95_percent_hold_90_to_98_percent_of_the_truth_through_the_codec() {
     let films = [(18, 30.0, 0.10), (28, 30.0, 0.25), (18, 0.0, 0.10), (23, 0.0, 0.10), (28, 0.0, 0.25)];
     let covered = |(quantiser, flank, most): (u8, f64, f64)| {
-        let found = track(&flapping(quantiser, flank), 120);
-        println!("quantiser {quantiser}, light {flank}: rms {:.4} px, covered {:.3}", found.rms(), found.covered());
-        assert!(found.rms() < most, "quantiser {quantiser}: {}", found.rms());
-        found.covered()
+        let tracked = track(&flapping(quantiser, flank), 120);
+        println!("quantiser {quantiser}, light {flank}: rms {:.4} px, covered {:.3}", tracked.rms(), tracked.covered());
+        assert!(tracked.rms() < most, "quantiser {quantiser}: {}", tracked.rms());
+        tracked.covered()
     };
     let shares = films.map(covered);
     let share = shares.iter().sum::<f64>() / shares.len() as f64;

@@ -194,91 +194,99 @@ mod tests {
 
     #[test]
     fn a_path_begins_at_the_highest_known_pressure_below_its_end_with_the_same_constants() {
-        let mut known = Surrogate::default();
+        let mut surrogate = Surrogate::default();
         for (pressure, body, spine) in [(4e3, 1e5, 2e9), (8e3, 1e5, 2e9), (1.1e4, 1e5, 2.2e9), (1.6e4, 1e5, 2e9)] {
-            let at = load(pressure, body, spine);
-            known.add(KnownShape::new(at.clone(), shape(&at)));
+            let sample = load(pressure, body, spine);
+            surrogate.add(KnownShape::new(sample.clone(), shape(&sample)));
         }
-        let begin = |to: Load| known.below(&to).last().map(|found| found.load.part_of(&to));
-        let near = |part: Option<f64>, wanted: f64| part.is_some_and(|part| (part - wanted).abs() < 1e-12);
-        assert!(near(begin(load(1.2e4, 1e5, 2e9)), 8.0 / 12.0));
+        let begin = |to: Load| surrogate.below(&to).last().map(|found| found.load.part_of(&to));
+        let is_near = |part: Option<f64>, wanted: f64| part.is_some_and(|part| (part - wanted).abs() < 1e-12);
+        assert!(is_near(begin(load(1.2e4, 1e5, 2e9)), 8.0 / 12.0));
         // the same body, softer: all its pressures count for more
-        assert!(near(begin(load(7e3, 0.5e5, 1e9)), 8.0 / 14.0));
+        assert!(is_near(begin(load(7e3, 0.5e5, 1e9)), 8.0 / 14.0));
         assert_eq!(begin(load(1.2e4, 1e5, 4e9)), None);
         assert_eq!(begin(load(3e3, 1e5, 2e9)), None);
         // each equilibrium once, by rising pressure
-        known.add(KnownShape::new(load(4e3 + 1.0, 1e5, 2e9), vec![0.0; 2]));
-        let below: Vec<f64> = known.below(&load(1.2e4, 1e5, 2e9)).iter().map(|found| found.load.at[0]).collect();
+        surrogate.add(KnownShape::new(load(4e3 + 1.0, 1e5, 2e9), vec![0.0; 2]));
+        let below: Vec<f64> = surrogate.below(&load(1.2e4, 1e5, 2e9)).iter().map(|found| found.load.at[0]).collect();
         assert_eq!(below, [4e3, 8e3].map(|pressure| load(pressure, 1e5, 2e9).at[0]));
     }
 
     #[test]
     fn shapes_on_a_grid_predict_those_between() {
-        let mut known = Surrogate::default();
+        let mut surrogate = Surrogate::default();
         for (body, spine) in [(1e5, 2e9), (1.5e5, 2e9), (1e5, 3e9), (1.5e5, 3e9)] {
             for pressure in [4e3, 8e3, 1.2e4, 1.6e4] {
-                let at = load(pressure, body, spine);
-                let shape = shape(&at);
-                known.add(KnownShape::new(at, shape));
+                let sample = load(pressure, body, spine);
+                let shape = shape(&sample);
+                surrogate.add(KnownShape::new(sample, shape));
             }
         }
-        let at = load(1.1e4, 1.2e5, 2.4e9);
-        let predicted = Surrogate::predict(&[&known], &at).expect("shapes are known").1;
-        predicted.iter().zip(shape(&at)).for_each(|(a, b)| assert!((a - b).abs() < 1e-3, "{a} for {b}"));
+        let query = load(1.1e4, 1.2e5, 2.4e9);
+        let predicted = Surrogate::predict(&[&surrogate], &query).expect("shapes are known").1;
+        predicted.iter().zip(shape(&query)).for_each(|(a, b)| assert!((a - b).abs() < 1e-3, "{a} for {b}"));
     }
 
     /// ∂shape/∂E of both solids and ∂shape/∂ratio of stiffening, by differences.
     fn by_constants(pressure: f64, body: f64, spine: f64) -> Vec<Vec<f64>> {
-        let at = |body: f64, spine: f64| shape(&load(pressure, body, spine));
+        let shape_at = |body: f64, spine: f64| shape(&load(pressure, body, spine));
         let slope = |high: Vec<f64>, low: Vec<f64>, by: f64| high.iter().zip(low).map(|(a, b)| (a - b) / by).collect();
         let (h, k) = (1e-4 * body, 1e-4 * spine);
         vec![
-            slope(at(body + h, spine), at(body - h, spine), 2.0 * h),
-            slope(at(body, spine + k), at(body, spine - k), 2.0 * k),
+            slope(shape_at(body + h, spine), shape_at(body - h, spine), 2.0 * h),
+            slope(shape_at(body, spine + k), shape_at(body, spine - k), 2.0 * k),
         ]
     }
 
     #[test]
     fn two_shapes_with_their_derivatives_predict_better_than_without() {
-        let off = |with: bool| {
-            let mut known = Surrogate::default();
+        let largest_error = |with: bool| {
+            let mut surrogate = Surrogate::default();
             for (pressure, body, spine) in [(8e3, 1e5, 2e9), (1.2e4, 1.3e5, 3e9)] {
-                let at = load(pressure, body, spine);
-                let slopes = at.slopes(&[body, spine], by_constants(pressure, body, spine), Extra::Stiffening);
+                let sample = load(pressure, body, spine);
+                let slopes = sample.slopes(&[body, spine], by_constants(pressure, body, spine), Extra::Stiffening);
                 let slopes = if with { slopes } else { Vec::new() };
-                known.add(KnownShape { shape: shape(&at), load: at, slopes });
+                surrogate.add(KnownShape { shape: shape(&sample), load: sample, slopes });
             }
-            let at = load(9e3, 1.1e5, 2.6e9);
-            let predicted = Surrogate::predict(&[&known], &at).expect("shapes are known").1;
-            predicted.iter().zip(shape(&at)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            let query = load(9e3, 1.1e5, 2.6e9);
+            let predicted = Surrogate::predict(&[&surrogate], &query).expect("shapes are known").1;
+            predicted.iter().zip(shape(&query)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };
-        assert!(off(true) < 0.05 * off(false) && off(true) < 2e-3, "{} {}", off(true), off(false));
+        assert!(
+            largest_error(true) < 0.05 * largest_error(false) && largest_error(true) < 2e-3,
+            "{} {}",
+            largest_error(true),
+            largest_error(false)
+        );
     }
 
     #[test]
     fn slopes_are_derivatives_by_the_coordinates_of_the_load() {
-        let at = load(9e3, 1.1e5, 2.6e9);
-        let slopes = at.slopes(&[1.1e5, 2.6e9], by_constants(9e3, 1.1e5, 2.6e9), Extra::Stiffening);
+        let query = load(9e3, 1.1e5, 2.6e9);
+        let slopes = query.slopes(&[1.1e5, 2.6e9], by_constants(9e3, 1.1e5, 2.6e9), Extra::Stiffening);
         assert_eq!(slopes.iter().map(|s| s.coordinate).collect::<Vec<_>>(), [0, 1]);
         for Slope { coordinate, slope } in slopes {
-            let moved = |by: f64| {
-                let mut moved = at.clone();
-                moved.at[coordinate] += by;
-                shape(&moved)
+            let perturbed = |by: f64| {
+                let mut shifted = query.clone();
+                shifted.at[coordinate] += by;
+                shape(&shifted)
             };
-            let (high, low) = (moved(1e-4), moved(-1e-4));
+            let (high, low) = (perturbed(1e-4), perturbed(-1e-4));
             for (k, found) in slope.iter().enumerate() {
-                let wanted = (high[k] - low[k]) / 2e-4;
-                assert!((found - wanted).abs() < 1e-4 * wanted.abs().max(0.1), "{coordinate}: {found} for {wanted}");
+                let difference = (high[k] - low[k]) / 2e-4;
+                assert!(
+                    (found - difference).abs() < 1e-4 * difference.abs().max(0.1),
+                    "{coordinate}: {found} for {difference}"
+                );
             }
         }
     }
 
     #[test]
     fn one_shape_predicts_about_twice_the_displacement_for_twice_the_load() {
-        let mut known = Surrogate::default();
-        known.add(KnownShape::new(load(4e3, 1e5, 2e9), vec![1.0]));
-        let predicted = Surrogate::predict(&[&known], &load(8e3, 1e5, 2e9)).expect("a shape is known").1[0];
+        let mut surrogate = Surrogate::default();
+        surrogate.add(KnownShape::new(load(4e3, 1e5, 2e9), vec![1.0]));
+        let predicted = Surrogate::predict(&[&surrogate], &load(8e3, 1e5, 2e9)).expect("a shape is known").1[0];
         assert!((1.5..2.1).contains(&predicted), "{predicted}");
     }
 
@@ -291,9 +299,9 @@ mod tests {
 
     #[test]
     fn a_shape_of_another_chamber_is_not_used() {
-        let mut known = Surrogate::default();
-        known.add(KnownShape::new(Load { chamber: 1, ..load(4e3, 1e5, 2e9) }, vec![1.0]));
-        assert_eq!(Surrogate::predict(&[&known], &load(4e3, 1e5, 2e9)), None);
+        let mut surrogate = Surrogate::default();
+        surrogate.add(KnownShape::new(Load { chamber: 1, ..load(4e3, 1e5, 2e9) }, vec![1.0]));
+        assert_eq!(Surrogate::predict(&[&surrogate], &load(4e3, 1e5, 2e9)), None);
     }
 
     #[test]

@@ -41,13 +41,17 @@ fn hollow() -> System {
 /// Faces of only one of `tets`, with normals into them.
 fn skin(tets: &[[u32; 10]]) -> Vec<[u32; 6]> {
     let faces = [[0, 1, 2, 4, 5, 6], [0, 3, 1, 7, 8, 4], [1, 3, 2, 8, 9, 5], [0, 2, 3, 6, 9, 7]];
-    let all: Vec<[u32; 6]> = tets.iter().flat_map(|t| faces.map(|f| f.map(|i| t[i]))).collect();
+    let tet_faces: Vec<[u32; 6]> = tets.iter().flat_map(|t| faces.map(|f| f.map(|i| t[i]))).collect();
     let key = |face: &[u32; 6]| {
         let mut key = [face[0], face[1], face[2]];
         key.sort_unstable();
         key
     };
-    all.iter().filter(|face| all.iter().filter(|other| key(other) == key(face)).count() == 1).copied().collect()
+    tet_faces
+        .iter()
+        .filter(|face| tet_faces.iter().filter(|other| key(other) == key(face)).count() == 1)
+        .copied()
+        .collect()
 }
 
 fn without_unused_nodes(mesh: Mesh) -> Mesh {
@@ -87,28 +91,31 @@ fn the_gradient_of_one_step_is_that_of_differences() {
     let start = ReducedState { coordinates: wave(0.1 * size, 0.7), velocity: wave(2.0 * size, 1.9) };
     let loss = ReducedState { coordinates: wave(1.0, 2.3), velocity: wave(0.01, 0.9) };
     let value = |state: &ReducedState, pressure: f64, scale: f64| {
-        let given = ReducedStep { settings: &dynamic, pressures: &[pressure], modulus_scale: &[scale] };
-        let after = model.step(state, &given).expect("a step");
-        (after.coordinates.dot(&loss.coordinates) + after.velocity.dot(&loss.velocity), after)
+        let reduced_step = ReducedStep { settings: &dynamic, pressures: &[pressure], modulus_scale: &[scale] };
+        let next_state = model.step(state, &reduced_step).expect("a step");
+        (next_state.coordinates.dot(&loss.coordinates) + next_state.velocity.dot(&loss.velocity), next_state)
     };
     let (pressure, scale) = (1.5e4, 1.1);
-    let after = value(&start, pressure, scale).1;
-    let given = ReducedStep { settings: &dynamic, pressures: &[pressure], modulus_scale: &[scale] };
-    let gradient = model.step_gradient((&start, &after), &given, &loss).expect("a gradient");
-    let near = |by: f64, difference: f64| assert!((by / difference - 1.0).abs() < 1e-5, "{by} {difference}");
-    near(
+    let next_state = value(&start, pressure, scale).1;
+    let reduced_step = ReducedStep { settings: &dynamic, pressures: &[pressure], modulus_scale: &[scale] };
+    let gradient = model.step_gradient((&start, &next_state), &reduced_step, &loss).expect("a gradient");
+    let assert_close = |by: f64, difference: f64| assert!((by / difference - 1.0).abs() < 1e-5, "{by} {difference}");
+    assert_close(
         gradient.pressures[0],
         (value(&start, pressure + 5.0, scale).0 - value(&start, pressure - 5.0, scale).0) / 10.0,
     );
-    near(gradient.modulus_scale[0], (value(&start, pressure, 1.101).0 - value(&start, pressure, 1.099).0) / 2e-3);
+    assert_close(
+        gradient.modulus_scale[0],
+        (value(&start, pressure, 1.101).0 - value(&start, pressure, 1.099).0) / 2e-3,
+    );
     let shifted = |sign: f64, which: bool| {
         let mut state = start.clone();
         let entry = if which { &mut state.velocity[0] } else { &mut state.coordinates[0] };
         *entry += sign * 1e-4 * size;
         value(&state, pressure, scale).0
     };
-    near(gradient.state.coordinates[0], (shifted(1.0, false) - shifted(-1.0, false)) / (2e-4 * size));
-    near(gradient.state.velocity[0], (shifted(1.0, true) - shifted(-1.0, true)) / (2e-4 * size));
+    assert_close(gradient.state.coordinates[0], (shifted(1.0, false) - shifted(-1.0, false)) / (2e-4 * size));
+    assert_close(gradient.state.velocity[0], (shifted(1.0, true) - shifted(-1.0, true)) / (2e-4 * size));
 }
 
 /// Equilibria under rising pressures, with lateral gravity or without.
@@ -122,8 +129,8 @@ fn snapshots(system: &System) -> Vec<Vec<f64>> {
             if pressure != 0.0 || pull != 0.0 {
                 let start =
                     snapshots.last().filter(|_| pressure > 0.0).cloned().unwrap_or_else(|| vec![0.0; 3 * count]);
-                let found = solver.equilibrium(&[pressure], Some(&start), &StaticSettings::default());
-                snapshots.push(found.expect("a moderate load").displacement);
+                let equilibrium = solver.equilibrium(&[pressure], Some(&start), &StaticSettings::default());
+                snapshots.push(equilibrium.expect("a moderate load").displacement);
             }
         }
     }
@@ -160,12 +167,12 @@ fn at_equilibrium<T>(body: &ReducedModel, pressures: &[f64], of: impl FnOnce(&St
 fn a_step_that_is_far_too_short_is_doubled_to_where_the_slope_has_fallen() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
-    let rest = DVector::zeros(body.coordinates());
-    let equilibrium = body.equilibrium(&[2e4], &[1.0], &rest).expect("a moderate load");
-    let (short, mut residual) = (&equilibrium * -1e-2, rest.clone());
+    let undeformed = DVector::zeros(body.coordinates());
+    let equilibrium = body.equilibrium(&[2e4], &[1.0], &undeformed).expect("a moderate load");
+    let (short, mut residual) = (&equilibrium * -1e-2, undeformed.clone());
     let [whole, doubled] = at_equilibrium(&body, &[2e4], |equations| {
-        residual = equations.residual(&rest);
-        [1.0, LONGEST].map(|longest| equations.line_search(&rest, &short, &residual, longest))
+        residual = equations.residual(&undeformed);
+        [1.0, LONGEST].map(|longest| equations.line_search(&undeformed, &short, &residual, longest))
     });
     let start = residual.norm();
     assert_eq!(whole.0, 1.0);
@@ -177,14 +184,14 @@ fn a_step_that_is_far_too_short_is_doubled_to_where_the_slope_has_fallen() {
 fn where_the_guess_leads_nowhere_a_step_begins_at_the_shape_before() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
-    let rest = DVector::zeros(body.coordinates());
-    let [before, wanted] = [1.5e4, 2e4].map(|p| body.equilibrium(&[p], &[1.0], &rest).expect("a moderate load"));
+    let undeformed = DVector::zeros(body.coordinates());
+    let [before, wanted] = [1.5e4, 2e4].map(|p| body.equilibrium(&[p], &[1.0], &undeformed).expect("a moderate load"));
     let far = some_coordinates(body.coordinates(), 100.0 * body.size);
-    let found = at_equilibrium(&body, &[2e4], |equations| {
+    let solution = at_equilibrium(&body, &[2e4], |equations| {
         assert!(equations.full_steps(&far, &before, &mut None).is_none());
         equations.solve(&far, &before, &mut None).expect("the shape before is near")
     });
-    assert!((found - wanted).amax() < 1e-7 * body.size);
+    assert!((solution - wanted).amax() < 1e-7 * body.size);
 }
 
 #[test]
@@ -210,14 +217,19 @@ fn the_sampled_points_give_the_forces_of_all_points() {
     let snapshots = snapshots(&system);
     let body = reduced(&system, &snapshots);
     assert!(body.points()[0] < 300, "{:?} points", body.points());
-    let between = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).map(|(a, b)| 0.5 * (a + b)).collect();
-    let unseen: Vec<Vec<f64>> = snapshots.windows(2).map(between).collect();
+    let midpoint = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).map(|(a, b)| 0.5 * (a + b)).collect();
+    let unseen: Vec<Vec<f64>> = snapshots.windows(2).map(midpoint).collect();
     for u in snapshots.iter().step_by(4).chain(unseen.iter().step_by(3)) {
         let q = coordinates_of(&body, &system, u);
-        let near = body.displacement(&q);
-        let all = body.modes.tr_mul(&DVector::from_vec(system.solver().state.elastic_forces(&near)));
+        let projection = body.displacement(&q);
+        let full_forces = body.modes.tr_mul(&DVector::from_vec(system.solver().state.elastic_forces(&projection)));
         let sampled = body.acting_forces(&q, &body.elastic(&[1.0]));
-        assert!((&sampled - &all).norm() < 0.01 * all.norm(), "{} of {}", (&sampled - &all).norm(), all.norm());
+        assert!(
+            (&sampled - &full_forces).norm() < 0.01 * full_forces.norm(),
+            "{} of {}",
+            (&sampled - &full_forces).norm(),
+            full_forces.norm()
+        );
     }
 }
 
@@ -229,8 +241,8 @@ fn coordinates_of(body: &ReducedModel, system: &System, u: &[f64]) -> DVector<f6
     data.mass.multiply(&data.pattern, &free, &mut image);
     let mut full = vec![0.0; u.len()];
     data.pattern.scatter(&image, 1.0, &mut full);
-    let right = body.modes.tr_mul(&DVector::from_vec(full));
-    body.mass.clone().lu().solve(&right).expect("the mass is positive definite")
+    let right_hand_side = body.modes.tr_mul(&DVector::from_vec(full));
+    body.mass.clone().lu().solve(&right_hand_side).expect("the mass is positive definite")
 }
 
 #[test]
@@ -240,29 +252,30 @@ fn between_its_snapshots_the_equilibrium_is_that_of_the_full_model() {
     let body = reduced(&system, &snapshots);
     let full =
         system.solver().equilibrium(&[2e4], Some(&snapshots[1]), &StaticSettings::default()).expect("a moderate load");
-    let found = body.equilibrium(&[2e4], &[1.0], &DVector::zeros(body.coordinates())).expect("a moderate load");
-    let reduced = body.displacement(&found);
-    let off = reduced.iter().zip(&full.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    let coordinates = body.equilibrium(&[2e4], &[1.0], &DVector::zeros(body.coordinates())).expect("a moderate load");
+    let reduced = body.displacement(&coordinates);
+    let deviation = reduced.iter().zip(&full.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     let size = full.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-    assert!(off < 5e-3 * size, "off by {off} of {size} m");
+    assert!(deviation < 5e-3 * size, "off by {deviation} of {size} m");
     let weights = body.points[0].weights().iter();
-    let sampled: f64 = weights.zip(body.energy_densities(0, &found)).map(|(weight, density)| weight * density).sum();
+    let sampled: f64 =
+        weights.zip(body.energy_densities(0, &coordinates)).map(|(weight, density)| weight * density).sum();
     let energy = system.solver().elastic_energy(&reduced).expect("a shape of this system");
     assert!((sampled / energy - 1.0).abs() < 0.01, "{sampled} of {energy} J");
-    let again = body.equilibrium(&[2e4], &[1.0], &found).expect("an equilibrium");
-    assert!((again - found).amax() < 1e-7 * body.size, "an equilibrium is its own solution");
+    let repeated = body.equilibrium(&[2e4], &[1.0], &coordinates).expect("an equilibrium");
+    assert!((repeated - coordinates).amax() < 1e-7 * body.size, "an equilibrium is its own solution");
 }
 
 #[test]
 fn the_data_of_a_model_restore_the_same_model() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
-    let again = system.restore(&body.data()).expect("data of this system");
+    let restored = system.restore(&body.data()).expect("data of this system");
     let q = some_coordinates(body.coordinates(), 0.2 * body.size);
-    assert_eq!(again.acting_forces(&q, &again.elastic(&[1.3])), body.acting_forces(&q, &body.elastic(&[1.3])));
-    assert_eq!(again.mass, body.mass);
-    assert_eq!(again.chamber_volume(0, &q), body.chamber_volume(0, &q));
-    assert_eq!(again.data(), body.data());
+    assert_eq!(restored.acting_forces(&q, &restored.elastic(&[1.3])), body.acting_forces(&q, &body.elastic(&[1.3])));
+    assert_eq!(restored.mass, body.mass);
+    assert_eq!(restored.chamber_volume(0, &q), body.chamber_volume(0, &q));
+    assert_eq!(restored.data(), body.data());
 }
 
 #[test]
@@ -304,11 +317,11 @@ fn the_stiffness_is_the_derivative_of_the_forces() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
     let q = some_coordinates(body.coordinates(), 0.2 * body.size);
-    let along = some_coordinates(body.coordinates(), 1.0).map(|x| x * x);
+    let direction = some_coordinates(body.coordinates(), 1.0).map(|x| x * x);
     let h = 1e-5 * body.size;
-    let force = |x: f64| body.acting_forces(&(&q + &along * x), &body.elastic(&[1.3]));
+    let force = |x: f64| body.acting_forces(&(&q + &direction * x), &body.elastic(&[1.3]));
     let difference = (force(h) - force(-h)) / (2.0 * h);
-    let exact = body.acting_stiffness(&q, ReducedTangent::Exact, &body.elastic(&[1.3])) * &along;
+    let exact = body.acting_stiffness(&q, ReducedTangent::Exact, &body.elastic(&[1.3])) * &direction;
     assert!((&difference - &exact).norm() < 1e-7 * exact.norm());
 }
 
@@ -363,9 +376,9 @@ fn under_an_oscillating_pressure_the_reduced_model_moves_as_the_full_one() {
     let relaxing = Relaxation::springpot(springpot).expect("a spectrum of silicone");
     for (damping, relaxation) in [(0.002, Relaxation::default()), (0.0, relaxing)] {
         let full = full_motion(&system, damping, &relaxation);
-        let off = difference(&full, &reduced_motion(&body, damping, &relaxation));
+        let deviation = difference(&full, &reduced_motion(&body, damping, &relaxation));
         let largest = full.iter().fold(0.0, |most: f64, u| most.max(u[3 * tip + 1].abs()));
-        assert!(largest > 1e-3 && off < 0.01 * largest, "off by {off} of {largest} m");
+        assert!(largest > 1e-3 && deviation < 0.01 * largest, "off by {deviation} of {largest} m");
         assert!(difference(&full, &elastic) > 0.05 * largest, "damping and relaxation matter");
     }
 }
@@ -396,19 +409,19 @@ fn a_step_that_is_not_found_is_halved_and_observed_at_its_end_alone() {
     let motion = oscillation(&settings, &relaxation);
     let times: Vec<f64> = (1..=20).map(|step| f64::from(step) * settings.step).collect();
     let quarters: Vec<f64> = (1..=80).map(|step| f64::from(step) * 0.25 * settings.step).collect();
-    let moved = |times: &[f64], rate: f64| {
+    let simulate = |times: &[f64], rate: f64| {
         let mut states = Vec::new();
         let mut external = ShortSteps { rate, accepted: 0 };
         let mut see = |time: f64, q: &DVector<f64>, _: &DVector<f64>| states.push((time, q.clone()));
         body.integrate_at(&motion, &mut external, times, &mut see).map(|()| (states, external.accepted))
     };
-    let (halved, accepted) = moved(&times, 3.0 / settings.step).expect("quarters are short enough");
-    let (fine, _) = moved(&quarters, 0.0).expect("a moderate load");
+    let (halved, accepted) = simulate(&times, 3.0 / settings.step).expect("quarters are short enough");
+    let (fine, _) = simulate(&quarters, 0.0).expect("a moderate load");
     assert_eq!((halved.len(), accepted), (20, 80));
     for ((time, q), (at, same)) in halved.iter().zip(fine.iter().skip(3).step_by(4)) {
         assert!((time - at).abs() < 1e-12 && (q - same).amax() < 1e-6 * body.size, "{time} s");
     }
-    let refused = moved(&times, 17.0 / settings.step).expect_err("a sixteenth is the shortest");
+    let refused = simulate(&times, 17.0 / settings.step).expect_err("a sixteenth is the shortest");
     assert!(refused.to_string().contains("no step of the reduced model is found after 0.0000 s"), "{refused}");
 }
 
