@@ -22,31 +22,31 @@ fn modules(name: &str, files: &[Source]) -> Modules {
         let path = path.strip_suffix("/mod").unwrap_or(&path).to_owned();
         (!s.test && path != "main").then(|| (path, s.outside_tests(&s.code())))
     };
-    let named = |(path, code): (String, String)| (if path == "lib" { String::new() } else { path }, code);
-    files.iter().filter_map(module).map(named).collect()
+    let with_module_name = |(path, code): (String, String)| (if path == "lib" { String::new() } else { path }, code);
+    files.iter().filter_map(module).map(with_module_name).collect()
 }
 
 /// Every `crate::…` and `super::…` path in a module, as segments from the crate's root, groups in braces written out.
 fn paths(module: &str, code: &str) -> Vec<Vec<String>> {
-    let mut found = Vec::new();
+    let mut use_paths = Vec::new();
     for (start, word) in code.match_indices("crate::").chain(code.match_indices("super::")) {
-        let before = code[..start].chars().next_back();
-        if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
+        let preceding = code[..start].chars().next_back();
+        if preceding.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
             continue;
         }
         let mut base: Vec<String> = Vec::new();
-        let mut rest = &code[start + word.len()..];
+        let mut remainder = &code[start + word.len()..];
         if word == "super::" {
             base = module.split('/').filter(|part| !part.is_empty()).map(str::to_owned).collect();
             base.pop();
-            while let Some(further) = rest.strip_prefix("super::") {
+            while let Some(further) = remainder.strip_prefix("super::") {
                 base.pop();
-                rest = further;
+                remainder = further;
             }
         }
-        expand(&base, rest, &mut found);
+        expand(&base, remainder, &mut use_paths);
     }
-    found
+    use_paths
 }
 
 /// Appends every path that a use tree beginning at `rest` names.
@@ -87,8 +87,8 @@ fn defining(modules: &Modules, path: &[String], depth: usize) -> Option<String> 
     let longest = (0..=path.len()).rev().find(|&n| modules.contains_key(&path[..n].join("/")))?;
     let module = path[..longest].join("/");
     let item = path.get(longest);
-    let through = item.filter(|_| depth < 8).and_then(|item| re_exported(modules, &module, item, depth));
-    Some(through.unwrap_or(module))
+    let definition = item.filter(|_| depth < 8).and_then(|item| re_exported(modules, &module, item, depth));
+    Some(definition.unwrap_or(module))
 }
 
 /// Where an item that a module re-exports is defined.
@@ -100,9 +100,9 @@ fn re_exported(modules: &Modules, module: &str, item: &str, depth: usize) -> Opt
         };
         let used = used.trim().trim_start_matches("self::");
         let (base, used) = used.strip_prefix("crate::").map_or((base.clone(), used), |used| (Vec::new(), used));
-        let mut named = Vec::new();
-        expand(&base, used, &mut named);
-        if let Some(path) = named.iter().find(|path| path.last().is_some_and(|last| last == item)) {
+        let mut reexported_paths = Vec::new();
+        expand(&base, used, &mut reexported_paths);
+        if let Some(path) = reexported_paths.iter().find(|path| path.last().is_some_and(|last| last == item)) {
             return defining(modules, path, depth + 1).filter(|found| found != module);
         }
     }
@@ -117,29 +117,29 @@ fn related(a: &str, b: &str) -> bool {
 }
 
 fn imports(modules: &Modules) -> Imports {
-    let of = |(module, code): (&String, &String)| {
+    let targets_of = |(module, code): (&String, &String)| {
         let targets = paths(module, code).into_iter().filter_map(|path| defining(modules, &path, 0));
         (module.clone(), targets.filter(|target| !related(module, target)).collect())
     };
-    modules.iter().map(of).collect()
+    modules.iter().map(targets_of).collect()
 }
 
 /// One cycle through each module that lies on one, each cycle once.
 fn cycles(imports: &Imports) -> Vec<String> {
-    let mut found = BTreeSet::new();
+    let mut rotated_cycles = BTreeSet::new();
     for start in imports.keys() {
         if let Some(way) = way_back(imports, start) {
-            let least = (0..way.len()).min_by_key(|&i| &way[i]).unwrap_or(0);
-            let rotated: Vec<&str> = way[least..].iter().chain(&way[..least]).map(String::as_str).collect();
-            found.insert(rotated.join(" → "));
+            let smallest = (0..way.len()).min_by_key(|&i| &way[i]).unwrap_or(0);
+            let rotated: Vec<&str> = way[smallest..].iter().chain(&way[..smallest]).map(String::as_str).collect();
+            rotated_cycles.insert(rotated.join(" → "));
         }
     }
-    found.into_iter().collect()
+    rotated_cycles.into_iter().collect()
 }
 
 /// The shortest way from a module back to itself.
 fn way_back(imports: &Imports, start: &str) -> Option<Vec<String>> {
-    let mut seen = BTreeSet::new();
+    let mut visited = BTreeSet::new();
     let mut ways = vec![vec![start.to_owned()]];
     while !ways.is_empty() {
         let mut longer = Vec::new();
@@ -148,7 +148,7 @@ fn way_back(imports: &Imports, start: &str) -> Option<Vec<String>> {
                 if next == start {
                     return Some(way);
                 }
-                if seen.insert(next.clone()) {
+                if visited.insert(next.clone()) {
                     longer.push(way.iter().cloned().chain([next.clone()]).collect());
                 }
             }
@@ -161,11 +161,11 @@ fn way_back(imports: &Imports, start: &str) -> Option<Vec<String>> {
 #[test]
 fn no_files_of_a_crate_import_each_other_in_a_circle() {
     let files = sources(&["pipeline"]);
-    let of = |name: &String| {
-        let found = cycles(&imports(&modules(name, &files)));
-        found.into_iter().map(|cycle| format!("{name}: {cycle}")).collect::<Vec<_>>()
+    let module_cycles = |name: &String| {
+        let crate_cycles = cycles(&imports(&modules(name, &files)));
+        crate_cycles.into_iter().map(|cycle| format!("{name}: {cycle}")).collect::<Vec<_>>()
     };
-    assert_none(crates().iter().flat_map(of).collect());
+    assert_none(crates().iter().flat_map(module_cycles).collect());
 }
 
 #[test]

@@ -34,18 +34,18 @@ struct Function<'a> {
 
 /// The functions of blanked code.
 fn functions(code: &str) -> Vec<Function<'_>> {
-    let named = |(at, _): (usize, &str)| {
-        let before = code[..at].chars().next_back();
-        let rest = &code[at + 3..];
-        let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))?;
-        let open = at + 3 + opening(rest)?;
+    let function_at = |(at, _): (usize, &str)| {
+        let preceding = code[..at].chars().next_back();
+        let remainder = &code[at + 3..];
+        let length = remainder.find(|c: char| !(c.is_alphanumeric() || c == '_'))?;
+        let open = at + 3 + opening(remainder)?;
         let close = open + closing(&code[open..]);
-        let is_word = before.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        let is_word = preceding.is_some_and(|c| c.is_alphanumeric() || c == '_');
         let function =
-            Function { name: &rest[..length], signature: &code[at..open], body: &code[open..close], start: open };
+            Function { name: &remainder[..length], signature: &code[at..open], body: &code[open..close], start: open };
         (!is_word && length > 0).then_some(function)
     };
-    code.match_indices("fn ").filter_map(named).collect()
+    code.match_indices("fn ").filter_map(function_at).collect()
 }
 
 /// Where the body of a signature opens; none where it has none.
@@ -95,14 +95,14 @@ fn calls(body: &str, name: &str) -> bool {
 
 /// The functions of a file that take the content of a file, and those that they call.
 fn readers<'a, 'b>(all: &'b [Function<'a>]) -> Vec<&'b Function<'a>> {
-    let mut known: BTreeSet<usize> = (0..all.len()).filter(|i| takes_content(&all[*i])).collect();
+    let mut reader_indices: BTreeSet<usize> = (0..all.len()).filter(|i| takes_content(&all[*i])).collect();
     loop {
-        let called = |i: &usize| known.iter().any(|k| calls(all[*k].body, all[*i].name));
-        let more: Vec<usize> = (0..all.len()).filter(|i| !known.contains(i)).filter(called).collect();
-        if more.is_empty() {
-            return known.into_iter().map(|i| &all[i]).collect();
+        let called = |i: &usize| reader_indices.iter().any(|k| calls(all[*k].body, all[*i].name));
+        let callees: Vec<usize> = (0..all.len()).filter(|i| !reader_indices.contains(i)).filter(called).collect();
+        if callees.is_empty() {
+            return reader_indices.into_iter().map(|i| &all[i]).collect();
         }
-        known.extend(more);
+        reader_indices.extend(callees);
     }
 }
 
@@ -113,20 +113,25 @@ fn unguarded(source: &Source) -> Vec<String> {
     }
     let code = source.outside_tests(&source.code());
     let lines: Vec<&str> = source.text.lines().collect();
-    let all = functions(&code);
-    let mut found = BTreeSet::new();
-    for reader in readers(&all) {
+    let file_functions = functions(&code);
+    let mut unguarded_cuts = BTreeSet::new();
+    for reader in readers(&file_functions) {
         for (at, cut) in CUTS.iter().flat_map(|cut| reader.body.match_indices(cut)) {
             let line = code[..reader.start + at].matches('\n').count();
             let compared = COMPARISONS.iter().any(|comparison| reader.body[..at].contains(comparison));
             let reasoned = lines[line.saturating_sub(ABOVE)..=line].iter().any(|line| line.contains(REASON));
             if !compared && !reasoned {
                 let name = cut.trim_matches(['.', '(', ':', '<']);
-                found.insert(format!("{}:{}: `{name}` in the reader `{}`", source.path, line + 1, reader.name));
+                unguarded_cuts.insert(format!(
+                    "{}:{}: `{name}` in the reader `{}`",
+                    source.path,
+                    line + 1,
+                    reader.name
+                ));
             }
         }
     }
-    found.into_iter().collect()
+    unguarded_cuts.into_iter().collect()
 }
 
 #[test]
@@ -137,7 +142,7 @@ fn readers_compare_lengths_before_they_cut() {
 #[test]
 fn the_readers_of_the_project_are_found() {
     let files = sources(&["pipeline"]);
-    let of = |path: &str| {
+    let reader_names = |path: &str| {
         let source = files.iter().find(|source| source.path == path).expect("the file is there");
         let code = source.outside_tests(&source.code());
         readers(&functions(&code)).iter().map(|reader| reader.name.to_owned()).collect::<Vec<_>>()
@@ -149,31 +154,33 @@ fn the_readers_of_the_project_are_found() {
         ("pipeline/records/src/runs.rs", &["read_runs"]),
         ("pipeline/track/src/lens/opencv/mod.rs", &["read", "camera_matrix", "fit_lens"]),
     ] {
-        let found = of(path);
-        assert!(names.iter().all(|name| found.iter().any(|own| own == name)), "{path}: {found:?}");
+        let file_readers = reader_names(path);
+        assert!(names.iter().all(|name| file_readers.iter().any(|own| own == name)), "{path}: {file_readers:?}");
     }
 }
 
 #[test]
 fn a_cut_in_a_reader_is_found_through_the_functions_that_it_calls() {
-    let found = |text: &str| unguarded(&Source::new("a.rs", text)).len();
+    let count_cuts = |text: &str| unguarded(&Source::new("a.rs", text)).len();
     let cut = "fn read(bytes: &[u8]) -> Result<T, E> { rows(bytes.chunks_exact(8).map(f)) }\n";
-    assert_eq!(found(cut), 1);
+    assert_eq!(count_cuts(cut), 1);
     assert_eq!(
-        found("fn read(bytes: &[u8]) -> Option<T> { Some(rows(bytes)) }\nfn rows(b: B) -> T { b.a.iter().zip(b.c) }"),
+        count_cuts(
+            "fn read(bytes: &[u8]) -> Option<T> { Some(rows(bytes)) }\nfn rows(b: B) -> T { b.a.iter().zip(b.c) }"
+        ),
         1
     );
-    assert_eq!(found("fn parse(text: &str) -> Result<T, E> { text.chars().take_while(f).count() }"), 1);
-    assert_eq!(found("fn sum(a: &[f64], b: &[f64]) -> f64 { a.iter().zip(b).sum() }"), 0);
+    assert_eq!(count_cuts("fn parse(text: &str) -> Result<T, E> { text.chars().take_while(f).count() }"), 1);
+    assert_eq!(count_cuts("fn sum(a: &[f64], b: &[f64]) -> f64 { a.iter().zip(b).sum() }"), 0);
 }
 
 #[test]
 fn a_comparison_before_a_cut_or_a_reason_above_it_is_seen() {
-    let found = |text: &str| unguarded(&Source::new("a.rs", text)).len();
+    let count_cuts = |text: &str| unguarded(&Source::new("a.rs", text)).len();
     let body = "if a.len() != b.len() { return Err(e) }\n Ok(a.iter().zip(b))";
-    assert_eq!(found(&format!("fn read(t: &Columns) -> Result<T, E> {{ {body} }}")), 0);
+    assert_eq!(count_cuts(&format!("fn read(t: &Columns) -> Result<T, E> {{ {body} }}")), 0);
     let late = "let c = a.iter().zip(b);\n if a.len() != b.len() { return Err(e) }";
-    assert_eq!(found(&format!("fn read(t: &Columns) -> Result<T, E> {{ {late} }}")), 1);
+    assert_eq!(count_cuts(&format!("fn read(t: &Columns) -> Result<T, E> {{ {late} }}")), 1);
     let reason = "// length: columns of one table are equally long\n a.iter().zip(b)";
-    assert_eq!(found(&format!("fn read(t: &Columns) -> Result<T, E> {{ {reason} }}")), 0);
+    assert_eq!(count_cuts(&format!("fn read(t: &Columns) -> Result<T, E> {{ {reason} }}")), 0);
 }
