@@ -39,18 +39,18 @@ fn main() {
 /// How long the program takes to plan, s.
 fn plan(root: &Path, records: usize) -> f64 {
     let begun = Instant::now();
-    let done = Command::new(env!("CARGO_BIN_EXE_study")).args(["plan", "--root"]).arg(root).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_study")).args(["plan", "--root"]).arg(root).output().unwrap();
     let took = begun.elapsed().as_secs_f64();
-    let said = String::from_utf8(done.stdout).unwrap();
-    assert_eq!(said.lines().last().unwrap(), format!("0 of {records} records would be made"));
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(stdout.lines().last().unwrap(), format!("0 of {records} records would be made"));
     took
 }
 
 /// A project in which every record is up to date; returns their number.
 fn make_up(root: &Path, specimens: usize, flaps: usize) -> usize {
     fs::create_dir_all(root.join("pipeline")).unwrap();
-    let own = |file: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
-    fs::copy(own("study.toml"), root.join("study.toml")).unwrap();
+    let project_file = |file: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
+    fs::copy(project_file("study.toml"), root.join("study.toml")).unwrap();
     for number in 0..specimens {
         write(&root.join(format!("data/raw/tail_{number:03}/specimen.toml")), card(number, flaps).as_bytes());
     }
@@ -70,23 +70,23 @@ fn card(number: usize, flaps: usize) -> String {
     card.name = format!("tail_{number:03}");
     card.water = Some(lab::card::Water { surface: 0.05, index: 1.333 });
     card.tank = Some(lab::card::Tank { length: 0.45, depth: 0.15 });
-    let first = card.trial[0].clone();
-    let of = |id: String, experiment: Experiment| Trial {
+    let template = card.trial[0].clone();
+    let trial_like_template = |id: String, experiment: Experiment| Trial {
         video: Some(format!("trials/{id}/video.mp4")),
         pressure: format!("trials/{id}/pressure.csv"),
         experiment,
         id,
-        ..first.clone()
+        ..template.clone()
     };
     for side in ["right", "both"] {
-        card.trial.push(of(format!("static_{side}"), first.experiment.clone()));
+        card.trial.push(trial_like_template(format!("static_{side}"), template.experiment.clone()));
     }
     for repeat in 0..flaps {
         let channels = vec!["left".to_owned(), "right".to_owned()];
         let experiment = Experiment::Flapping { channels, amplitude: 2e4, frequency: 2.0, cycles: 3 };
         let (role, split) = if repeat % 5 == 0 { (Role::Validate, Split::Test) } else { (Role::Thrust, Split::Train) };
         let (medium, force) = (Medium::Water, Some(format!("trials/flap_{repeat:02}/force.csv")));
-        let flap = of(format!("flap_{repeat:02}"), experiment);
+        let flap = trial_like_template(format!("flap_{repeat:02}"), experiment);
         card.trial.push(Trial { role, split: Some(split), medium, force, ..flap });
     }
     let (force, hammer) = ("trials/taps/force.csv".into(), "trials/taps/hammer.csv".into());
@@ -141,9 +141,9 @@ impl MadeUp<'_> {
 /// The hash of a file, which is entered among the hashes with its length and date.
 fn hashed(hashes: &mut BTreeMap<PathBuf, serde_json::Value>, path: &Path) -> String {
     let hash = blake3::hash(&fs::read(path).unwrap()).to_hex().to_string();
-    let seen = fs::metadata(path).unwrap();
-    let date = seen.modified().unwrap().duration_since(std::time::UNIX_EPOCH).unwrap().as_nanos() as u64;
-    hashes.insert(path.to_owned(), serde_json::json!({ "length": seen.len(), "date": date, "hash": hash }));
+    let metadata = fs::metadata(path).unwrap();
+    let date = metadata.modified().unwrap().duration_since(std::time::UNIX_EPOCH).unwrap().as_nanos() as u64;
+    hashes.insert(path.to_owned(), serde_json::json!({ "length": metadata.len(), "date": date, "hash": hash }));
     hash
 }
 

@@ -58,15 +58,15 @@ fn peak_memory() -> String {
 
 fn motion(system: &System, relaxation: &Relaxation) -> Outcome<Motion> {
     let settings = DynamicSettings { step: 1.0 / 240.0, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
-    let rest = State::rest(system.mesh().nodes.len());
+    let rest_state = State::rest(system.mesh().nodes.len());
     let push = |time: f64| vec![PRESSURE * (1.0 - (12.0 * time).cos()), 0.0];
     let mut solver = system.solver();
     solver.set_relaxation(0, relaxation.clone())?;
-    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &push };
+    let problem = InitialValueProblem { settings: &settings, initial: &rest_state, pressures: &push };
     let (forward, made) = timed(3, || Ok(solver.record(&problem, STEPS, usize::MAX)?))?;
-    let last = made.steps();
+    let last_step = made.steps();
     let mut ask = |n: usize, state: &State| {
-        let displacement = if n == last { state.displacement.clone() } else { Vec::new() };
+        let displacement = if n == last_step { state.displacement.clone() } else { Vec::new() };
         LossGradient { displacement, ..LossGradient::default() }
     };
     let (backward, _) = timed(3, || Ok(solver.trajectory_adjoint(&made, &mut ask)?))?;
@@ -96,8 +96,8 @@ fn reduced(system: &System, relaxation: &Relaxation) -> Outcome<()> {
             actuation: &actuation,
         };
         let times: Vec<f64> = (1..=REDUCED_STEPS).map(|i| i as f64 * settings.step).collect();
-        let mut seen = |_: f64, _: &DVector<f64>, _: &DVector<f64>| ();
-        timed(3, || Ok(model.integrate_at(&motion, &mut NoForce, &times, &mut seen)?)).map(|(seconds, ())| seconds)
+        let mut observer = |_: f64, _: &DVector<f64>, _: &DVector<f64>| ();
+        timed(3, || Ok(model.integrate_at(&motion, &mut NoForce, &times, &mut observer)?)).map(|(seconds, ())| seconds)
     };
     let (elastic, relaxing) = (run(&[])?, run(std::slice::from_ref(relaxation))?);
     let points: usize = model.points().iter().sum();
@@ -118,8 +118,8 @@ fn hollow_beam() -> Outcome<System> {
 fn two_chambers() -> Mesh {
     let cells = [30, 7, 3];
     let air = |[i, j, k]: [usize; 3]| (2..28).contains(&i) && (j == 1 || j == 2 || j == 4 || j == 5) && k < 2;
-    let place = |at: [f64; 3]| [0.09 * at[0], 0.021 * (at[1] - 0.5), 0.009 * at[2]];
-    box_mesh::grid(cells, true, place, |cell| if air(cell) { None } else { Some(0) })
+    let position = |at: [f64; 3]| [0.09 * at[0], 0.021 * (at[1] - 0.5), 0.009 * at[2]];
+    box_mesh::grid(cells, true, position, |cell| if air(cell) { None } else { Some(0) })
 }
 
 /// The least CPU time of several runs of this thread, s, and what the last one gave.
@@ -127,9 +127,9 @@ fn timed<T>(times: usize, mut run: impl FnMut() -> Outcome<T>) -> Outcome<(f64, 
     let clock = Instant::now();
     let (mut least, mut given) = (f64::INFINITY, None);
     for _ in 0..times {
-        let before = cpu(clock);
+        let start_seconds = cpu(clock);
         given = Some(run()?);
-        least = least.min(cpu(clock) - before);
+        least = least.min(cpu(clock) - start_seconds);
     }
     Ok((least, given.ok_or("nothing was run")?))
 }

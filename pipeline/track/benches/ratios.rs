@@ -55,14 +55,15 @@ fn opencv(film: &Path) -> Option<f64> {
 fn track(film: &Path) -> Result<[f64; 2], VideoError> {
     let (set, start) = (Settings::default(), Instant::now());
     let mut frames = Reader::open(film)?;
-    let first = frames.next().expect("the film has frames")?.gray;
-    let whole = [0.0, 0.0, SIZE.0 as f64, SIZE.1 as f64];
-    let mut tracker = Tracker::new(&first, &find_blobs(&first, whole, 3, &set), set).expect("the markers are there");
-    let found = start.elapsed().as_secs_f64();
+    let first_frame = frames.next().expect("the film has frames")?.gray;
+    let whole_frame = [0.0, 0.0, SIZE.0 as f64, SIZE.1 as f64];
+    let mut tracker = Tracker::new(&first_frame, &find_blobs(&first_frame, whole_frame, 3, &set), set)
+        .expect("the markers are there");
+    let search_seconds = start.elapsed().as_secs_f64();
     for frame in frames {
         tracker.step(&frame?.gray).expect("nothing hides them");
     }
-    Ok([found, start.elapsed().as_secs_f64() - found])
+    Ok([search_seconds, start.elapsed().as_secs_f64() - search_seconds])
 }
 
 /// Seconds to read the film alone.

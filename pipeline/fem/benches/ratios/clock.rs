@@ -13,14 +13,14 @@ fn cpu(start: Instant) -> f64 {
 /// The least CPU time of `times` runs, s, and what the last one gave.
 pub fn timed<T>(times: usize, mut run: impl FnMut() -> Outcome<T>) -> Outcome<(f64, T)> {
     let clock = Instant::now();
-    let mut least = f64::INFINITY;
+    let mut least_seconds = f64::INFINITY;
     let mut given = None;
     for _ in 0..times {
-        let before = cpu(clock);
+        let start_seconds = cpu(clock);
         given = Some(run()?);
-        least = least.min(cpu(clock) - before);
+        least_seconds = least_seconds.min(cpu(clock) - start_seconds);
     }
-    Ok((least, given.ok_or("nothing was run")?))
+    Ok((least_seconds, given.ok_or("nothing was run")?))
 }
 
 /// One line: what, its seconds, and their ratio over another time.

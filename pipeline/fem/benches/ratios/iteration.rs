@@ -13,11 +13,11 @@ use fem::{LowerTriangle, StaticSettings, System};
 /// Assembly, factor and solve of one iteration.
 pub fn iteration(system: &System) -> Outcome<()> {
     let mut solver = system.solver();
-    let at = solver.equilibrium(&[0.0, 1e4], None, &StaticSettings::default())?;
-    let (assembly, ()) = timed(3, || Ok(solver.assemble(&at).map(|_| ())?))?;
-    let (faer, ()) = faers_own(&solver.assemble(&at)?)?;
-    let (factor, ()) = timed(3, || Ok(solver.factorise(&at)?))?;
-    let b = vec![1.0; at.displacement.len()];
+    let equilibrium = solver.equilibrium(&[0.0, 1e4], None, &StaticSettings::default())?;
+    let (assembly, ()) = timed(3, || Ok(solver.assemble(&equilibrium).map(|_| ())?))?;
+    let (faer, ()) = faers_own(&solver.assemble(&equilibrium)?)?;
+    let (factor, ()) = timed(3, || Ok(solver.factorise(&equilibrium)?))?;
+    let b = vec![1.0; equilibrium.displacement.len()];
     let (solve, _) = timed(5, || Ok(solver.solve(&b)?))?;
     let iteration = assembly + factor + solve;
     say("assembly of the tangent", assembly, Some((iteration, "an iteration")));
@@ -43,9 +43,9 @@ fn faers_own(matrix: &LowerTriangle) -> Outcome<(f64, ())> {
     timed(3, || {
         let a = SparseColMatRef::new(lower.as_ref(), matrix.values);
         let (set, stack) = (LltRegularization::default(), MemStack::new(&mut space));
-        let made =
+        let factorisation =
             symbolic.factorize_numeric_llt(&mut values, a, Side::Lower, set, Par::Seq, stack, Default::default());
-        made.map(|_| ()).map_err(|fault| format!("{fault:?}").into())
+        factorisation.map(|_| ()).map_err(|fault| format!("{fault:?}").into())
     })
 }
 

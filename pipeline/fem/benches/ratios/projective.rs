@@ -39,19 +39,19 @@ struct Comparison {
 /// Takes one step from rest and its gradient by both methods.
 fn compare(system: &System) -> Outcome<Comparison> {
     let set = ProjectiveSettings::default();
-    let rest = State::rest(system.mesh().nodes.len());
+    let rest_state = State::rest(system.mesh().nodes.len());
     let pressures = [0.0, PRESSURE];
-    let b: Vec<f64> = (0..rest.displacement.len()).map(|at| f64::from(u8::from(at % 3 == 1))).collect();
+    let b: Vec<f64> = (0..rest_state.displacement.len()).map(|at| f64::from(u8::from(at % 3 == 1))).collect();
     let (prepared, mut projective) = timed(1, || Ok(Projective::new(system, STEP)?))?;
-    let (there_s, (state, there)) = timed(1, || Ok(projective.step(&rest, &pressures, &[], &set)?))?;
+    let (there_s, (state, there)) = timed(1, || Ok(projective.step(&rest_state, &pressures, &[], &set)?))?;
     let (back_s, (z, back)) = timed(1, || Ok(projective.adjoint(&state.displacement, &pressures, &b, &set)?))?;
-    let (steps_s, (exact, steps)) = timed(1, || Ok(projective.step_by_newton(&rest, &pressures, &[])?))?;
+    let (steps_s, (exact, steps)) = timed(1, || Ok(projective.step_by_newton(&rest_state, &pressures, &[])?))?;
     let (solve_s, (w, solve)) = timed(1, || Ok(projective.adjoint_by_newton(&exact.displacement, &pressures, &b)?))?;
     let settings = DynamicSettings { step: STEP, scheme: Scheme::ImplicitEuler, ..DynamicSettings::default() };
     let mut solver = system.solver();
     let (integration, _) = timed(1, || {
         Ok(solver.integrate(
-            &InitialValueProblem { settings: &settings, initial: &rest, pressures: &|_| pressures.to_vec() },
+            &InitialValueProblem { settings: &settings, initial: &rest_state, pressures: &|_| pressures.to_vec() },
             1,
             &mut |_, _| (),
         )?)

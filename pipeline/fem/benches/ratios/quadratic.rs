@@ -40,16 +40,19 @@ pub fn two_cores(system: &System) -> Outcome<()> {
     let clock = Instant::now();
     level(1e4)?;
     level(1.05e4)?;
-    let one = clock.elapsed().as_secs_f64();
+    let sequential_seconds = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     std::thread::scope(|scope| {
-        let other = scope.spawn(|| level(1e4));
+        let second_solve = scope.spawn(|| level(1e4));
         level(1.05e4)?;
-        other.join().map_err(|_| "a solve broke down")??;
+        second_solve.join().map_err(|_| "a solve broke down")??;
         Ok::<(), Box<dyn std::error::Error>>(())
     })?;
-    let two = clock.elapsed().as_secs_f64();
-    println!("two levels on two cores: {one:.3} s over {two:.3} s = {:.2} ×", one / two);
+    let parallel_seconds = clock.elapsed().as_secs_f64();
+    println!(
+        "two levels on two cores: {sequential_seconds:.3} s over {parallel_seconds:.3} s = {:.2} ×",
+        sequential_seconds / parallel_seconds
+    );
     Ok(())
 }
 

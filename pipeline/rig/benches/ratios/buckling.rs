@@ -21,10 +21,10 @@ pub fn print() {
     let set = Settings::built_in();
     let specimen =
         rig::specimens::ALL.iter().find(|s| s.name == "nemo").expect("the bench has the tail of the photograph");
-    let own = &set.specimen[&*specimen.name];
-    let hidden = HiddenProperties::drawn(&set, own);
-    let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];
-    let settings = BodySettings { resolution: &RESOLUTION, clamp: own.clamp, laws };
+    let specimen_settings = &set.specimen[&*specimen.name];
+    let hidden = HiddenProperties::drawn(&set, specimen_settings);
+    let laws = [&*set.material[&specimen_settings.body].law, &*set.material[SHEET].law];
+    let settings = BodySettings { resolution: &RESOLUTION, clamp: specimen_settings.clamp, laws };
     let body = Body::new(&(specimen.tail)(), &settings, &hidden).expect("the specimen's own shape");
     let pressures = even_pressures(HIGHEST * MILLIBAR, LEVELS);
     let ticks = std::sync::Mutex::new(vec![Instant::now()]);
@@ -32,8 +32,8 @@ pub fn print() {
     let sweep = PressureSweep::solve_sweep(&body, Side::Left, &pressures, &tick).expect("equilibria");
     let section = Section::of(&body.mesh).expect("nodes at mid height");
     let dent = |shape: &Vec<f64>| {
-        let moved = |(x, u): (&Point3, &[f64; 3])| si::vec3::add(*x, *u);
-        let nodes: Vec<Point3> = body.mesh.nodes.iter().zip(shape.as_chunks::<3>().0).map(moved).collect();
+        let displaced = |(x, u): (&Point3, &[f64; 3])| si::vec3::add(*x, *u);
+        let nodes: Vec<Point3> = body.mesh.nodes.iter().zip(shape.as_chunks::<3>().0).map(displaced).collect();
         section.walls(&nodes, true).dent_m
     };
     let dents: Vec<f64> = sweep.shapes.iter().map(dent).collect();

@@ -57,11 +57,11 @@ struct Planes<'a> {
 pub fn mesh(tail: &Tail, cuts: Cuts, family: Family) -> Mesh {
     let planes = Planes::of(tail, cuts);
     let cells = [planes.slabs.len(), planes.layers.len(), cuts.heights.iter().sum()];
-    let place = |at: Point3| planes.place(std::array::from_fn(|axis| at[axis] * cells[axis] as f64));
+    let position = |at: Point3| planes.place(std::array::from_fn(|axis| at[axis] * cells[axis] as f64));
     let region = |cell: [usize; 3]| planes.region(cell);
     match family {
-        Family::Tetrahedra => box_mesh::to_quadratic(&box_mesh::grid(cells, true, place, region)),
-        Family::Hexahedra => box_mesh::quadratic_hexahedra(cells, true, place, region),
+        Family::Tetrahedra => box_mesh::to_quadratic(&box_mesh::grid(cells, true, position, region)),
+        Family::Hexahedra => box_mesh::quadratic_hexahedra(cells, true, position, region),
     }
 }
 

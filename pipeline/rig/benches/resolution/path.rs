@@ -75,10 +75,10 @@ pub fn follow(system: &System, max_iterations: usize) -> Outcome {
     let start = Instant::now();
     for level in LEVELS.into_iter().chain(BEYOND) {
         let pressures = walls.pressures(level * MILLIBAR);
-        let known: Vec<(Pascal, &[Metre])> = shapes.iter().map(|(sum, shape)| (*sum, shape.as_slice())).collect();
-        let Ok(found) = solver.equilibrium_from(&known, &pressures, &settings) else { break };
-        let before = outcome.end / MILLIBAR;
-        walls.measure(&mut outcome, (before, level), [&shapes[shapes.len() - 1].1, &found.displacement]);
+        let equilibria: Vec<(Pascal, &[Metre])> = shapes.iter().map(|(sum, shape)| (*sum, shape.as_slice())).collect();
+        let Ok(found) = solver.equilibrium_from(&equilibria, &pressures, &settings) else { break };
+        let previous_level = outcome.end / MILLIBAR;
+        walls.measure(&mut outcome, (previous_level, level), [&shapes[shapes.len() - 1].1, &found.displacement]);
         if level <= LEVELS[LEVELS.len() - 1] {
             outcome.factorisations.push(found.factorisations);
             outcome.duration = start.elapsed();
@@ -136,8 +136,8 @@ impl Walls {
     /// Enters what is measured between two levels (mbar).
     fn measure(&self, outcome: &mut Outcome, (from, to): (f64, f64), [before, now]: [&Vec<f64>; 2]) {
         if let Some(level) = COMPARED.iter().position(|level| (level - to).abs() < 1e-9) {
-            let along = self.apart(self.end, now);
-            outcome.angles[level] = along[0].atan2(along[1]).to_degrees().abs();
+            let end_vector = self.apart(self.end, now);
+            outcome.angles[level] = end_vector[0].atan2(end_vector[1]).to_degrees().abs();
         }
         let [bulge, dent] = self.growths(now);
         if (to - COMPARED[1]).abs() < 1e-9 {
@@ -153,21 +153,21 @@ impl Walls {
 /// Two nodes of the end at mid height, from y < 0 to y > 0.
 // The fin's end, where there is one, is thinner than the body and turns with it.
 fn end_nodes(nodes: &[[Metre; 3]]) -> [usize; 2] {
-    let last = nodes.iter().fold(0.0, |most: f64, node| most.max(node[0]));
-    let at_end: Vec<usize> = (0..nodes.len()).filter(|&n| nodes[n][0] > last - 1e-9 && nodes[n][2] < 1e-9).collect();
+    let end_x = nodes.iter().fold(0.0, |most: f64, node| most.max(node[0]));
+    let at_end: Vec<usize> = (0..nodes.len()).filter(|&n| nodes[n][0] > end_x - 1e-9 && nodes[n][2] < 1e-9).collect();
     let by_y = |a: &&usize, b: &&usize| nodes[**a][1].total_cmp(&nodes[**b][1]);
     [at_end.iter().min_by(by_y), at_end.iter().max_by(by_y)].map(|node| *node.expect("the end has nodes"))
 }
 
 /// Pairs of nodes of a chamber's wall at mid height that face each other across its depth.
 fn depth_pairs(nodes: &[[Metre; 3]], mid: &[usize]) -> Vec<[usize; 2]> {
-    let away = |n: &&usize| nodes[**n][1].abs();
-    let by_distance = |a: &&usize, b: &&usize| away(a).total_cmp(&away(b));
+    let distance_from_sheet = |n: &&usize| nodes[**n][1].abs();
+    let by_distance = |a: &&usize, b: &&usize| distance_from_sheet(a).total_cmp(&distance_from_sheet(b));
     let mut pairs = Vec::new();
     for &node in mid {
-        let beside = mid.iter().filter(|&&other| (nodes[other][0] - nodes[node][0]).abs() < 1e-9);
-        let outer = beside.clone().max_by(by_distance).copied();
-        let inner = beside.min_by(by_distance).copied();
+        let opposite = mid.iter().filter(|&&other| (nodes[other][0] - nodes[node][0]).abs() < 1e-9);
+        let outer = opposite.clone().max_by(by_distance).copied();
+        let inner = opposite.min_by(by_distance).copied();
         pairs.extend(
             inner.zip(outer).filter(|pair| pair.0 == node && pair.1 != node).map(|(inner, outer)| [inner, outer]),
         );

@@ -116,7 +116,7 @@ fn arrays(specimen: &Specimen, body: &ReducedBody, wet: bool) -> Outcome<TwinDat
 
 fn motion(twin: &Twin, steps: usize) -> Outcome<Timed> {
     let mut work = twin::Work::default();
-    let made = timed(3, || {
+    let recorded_path = timed(3, || {
         let mut state = twin.start();
         let mut path = Vec::with_capacity(steps);
         for step in 1..=steps {
@@ -126,14 +126,14 @@ fn motion(twin: &Twin, steps: usize) -> Outcome<Timed> {
         work = state.work();
         Ok(path)
     })?;
-    let each = |count: usize| count as f64 / steps as f64;
+    let per_step = |count: usize| count as f64 / steps as f64;
     println!(
         "steps, residuals, tangents over steps: {:.2}, {:.2}, {:.3}",
-        each(work.steps),
-        each(work.residuals),
-        each(work.tangents)
+        per_step(work.steps),
+        per_step(work.residuals),
+        per_step(work.tangents)
     );
-    Ok(made)
+    Ok(recorded_path)
 }
 
 /// CPU time of a recorded motion, and of it with the derivatives of the mean square of the tip's displacement by everything, s.
@@ -152,8 +152,8 @@ fn with_gradient(twin: &Twin, steps: usize) -> Outcome<[f64; 2]> {
             let coordinates = row.iter().map(|row| 2.0 * tip * row / steps as f64).collect();
             LossGradient { coordinates, velocity: Vec::new() }
         };
-        let by = twin.adjoint(&recording, &mut loss)?;
-        Ok(by.pressures.iter().map(|by| [by[0], by[1]]).collect())
+        let adjoint = twin.adjoint(&recording, &mut loss)?;
+        Ok(adjoint.pressures.iter().map(|gradient| [gradient[0], gradient[1]]).collect())
     })?;
     Ok([recorded, gradient])
 }
@@ -162,8 +162,8 @@ fn whole(specimen: &Specimen, steps: usize) -> Outcome<Timed> {
     let settings = settings();
     let mut solver = specimen.model.system.solver();
     specimen.silicone.apply(&mut solver)?;
-    let rest = State::rest(specimen.model.system.mesh().nodes.len());
-    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures };
+    let rest_state = State::rest(specimen.model.system.mesh().nodes.len());
+    let problem = InitialValueProblem { settings: &settings, initial: &rest_state, pressures: &pressures };
     timed(1, || {
         let mut path = Vec::with_capacity(steps);
         let spot = &specimen.model.markers[specimen.tip()];
@@ -178,9 +178,9 @@ fn timed(times: usize, mut run: impl FnMut() -> Outcome<Vec<Point2>>) -> Outcome
     let clock = Instant::now();
     let (mut least, mut path) = (f64::INFINITY, Vec::new());
     for _ in 0..times {
-        let before = cpu(clock);
+        let start_seconds = cpu(clock);
         path = run()?;
-        least = least.min(cpu(clock) - before);
+        least = least.min(cpu(clock) - start_seconds);
     }
     Ok((path, least))
 }

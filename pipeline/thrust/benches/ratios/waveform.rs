@@ -59,8 +59,8 @@ pub fn print(specimen: &Specimen, body: &ReducedBody) -> Outcome<()> {
 fn best_of_sweep(model: &WaveformModel, goal: Goal) -> Outcome<Waveform> {
     let mut best: Option<(f64, Waveform)> = None;
     for (a, f) in (1..=SWEEP[0]).flat_map(|a| (0..SWEEP[1]).map(move |f| (a, f))) {
-        let place = [a as f64 / SWEEP[0] as f64, f as f64 / (SWEEP[1] - 1) as f64];
-        let wave = LIMITS.wave(place, SquareWave { amplitude: 0.0, frequency: 0.0, sharpness: 6.0 });
+        let normalised_coordinates = [a as f64 / SWEEP[0] as f64, f as f64 / (SWEEP[1] - 1) as f64];
+        let wave = LIMITS.wave(normalised_coordinates, SquareWave { amplitude: 0.0, frequency: 0.0, sharpness: 6.0 });
         let waveform = Waveform::square(&wave, &LIMITS);
         let value = goal.value(&model.performance(&waveform)?);
         if best.as_ref().is_none_or(|(most, _)| value > *most) {
