@@ -151,6 +151,35 @@ fn taps_that_are_missing_or_cut_off_are_found() {
     project.finds("fix", &["taps/force.csv", "tap 3 begins at 6.0", "a tap needs 0.2 s"]);
 }
 
+/// The chamber that is filled lies at positive y, which points downwards in this picture.
+#[test]
+fn a_body_that_bends_towards_its_filled_chamber_is_noted() {
+    let moving = |speed: f64| {
+        move |frame: usize| {
+            let still = picture(0);
+            let lamp = picture(frame).pixel_level(40, 40);
+            Gray::from_fn(320, 240, |u, v| {
+                let from = |centre: [f64; 2]| (u as f64 - centre[0]).hypot(v as f64 - centre[1]);
+                match () {
+                    () if from([40.0, 40.0]) < 16.0 => lamp,
+                    () if from([200.0, 120.0 + speed * frame as f64]) < 9.0 => 40.0,
+                    () if from([200.0, 120.0]) < 10.0 => 200.0,
+                    () => still.pixel_level(u, v),
+                }
+            })
+        }
+    };
+    let project = Project::new("side");
+    project.film(FILM, 66, moving(-0.25));
+    assert_eq!(project.doctor().status.code(), Some(0));
+    assert!(!String::from_utf8_lossy(&project.doctor().stdout).contains("towards the side"));
+    project.film(FILM, 66, moving(0.25));
+    project.finds(
+        "note",
+        &["video.mp4: marker `m1` moves by", "mm towards the side of left", "not mirrored against the calibration"],
+    );
+}
+
 #[test]
 fn a_film_and_a_log_that_both_end_before_the_lamp_goes_out_are_found() {
     let project = Project::new("both");

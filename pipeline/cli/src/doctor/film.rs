@@ -7,6 +7,7 @@ use track::{klt, led};
 
 use super::board::RoughCamera;
 use super::finding::Finding;
+use super::side::FirstMotion;
 use super::{Project, rest};
 use lab::card::Experiment;
 use records::Tracks;
@@ -87,6 +88,7 @@ fn read_frames(film: Film, check: &FirstFrame, findings: &mut Vec<Finding>) -> O
     let subject = check.subject;
     let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
     let (first, last) = (subject.trial.first_frame, subject.trial.last_frame.unwrap_or(usize::MAX));
+    let mut motion: Option<FirstMotion> = None;
     for frame in film {
         let frame = match frame {
             Ok(frame) => frame,
@@ -96,7 +98,13 @@ fn read_frames(film: Film, check: &FirstFrame, findings: &mut Vec<Finding>) -> O
             }
         };
         if frame.index == first {
-            findings.extend(check.frame_findings(&frame));
+            let (seen, in_frame) = check.frame_findings(&frame);
+            findings.extend(in_frame);
+            let settings = check.settings.tracker(check.info.rate);
+            motion =
+                seen.and_then(|pixels| FirstMotion::begin(subject, check.camera, (&frame.gray, &pixels), settings));
+        } else if let Some(motion) = &mut motion {
+            motion.follow(&frame.gray);
         }
         if (first..=last).contains(&frame.index) {
             tracks.time.push(frame.time);
@@ -105,6 +113,7 @@ fn read_frames(film: Film, check: &FirstFrame, findings: &mut Vec<Finding>) -> O
                 .extend(subject.card.led.iter().map(|lamp| led::brightness(&frame.gray, lamp.centre, lamp.radius)));
         }
     }
+    findings.extend(motion.and_then(|motion| motion.finding(&check.context.display_path("video"))));
     Some(tracks)
 }
 
@@ -170,8 +179,8 @@ struct FirstFrame<'a> {
 }
 
 impl FirstFrame<'_> {
-    /// Brightness and markers in the first frame.
-    fn frame_findings(&self, frame: &Frame) -> Vec<Finding> {
+    /// The markers in the first frame, px, where they are found, and the findings on its brightness and on them.
+    fn frame_findings(&self, frame: &Frame) -> (Option<Vec<Point2>>, Vec<Finding>) {
         let Self { subject, settings, info, context, camera } = *self;
         let film_path = context.display_path("video");
         let quantile = light_quantile(&frame.gray);
@@ -179,7 +188,7 @@ impl FirstFrame<'_> {
             let defect = format!("{film_path} is dark: its lightest twentieth begins at {quantile} of 255");
             let action = "light the scene evenly, open the aperture, and record again";
             let reason = format!("the least is {LIGHT}; markers are detected by their contrast");
-            return vec![Finding::fix(defect, reason, action)];
+            return (None, vec![Finding::fix(defect, reason, action)]);
         }
         let is_outside =
             |position: &Point2| position[0] > info.width as f64 - 1.0 || position[1] > info.height as f64 - 1.0;
@@ -188,14 +197,15 @@ impl FirstFrame<'_> {
         let unseen: Vec<Finding> =
             hidden.map(|(name, position)| out_of_view(&film_path, name, position, info)).collect();
         if !unseen.is_empty() {
-            return unseen;
+            return (None, unseen);
         }
         match first_look(&Part::part_of(subject), settings.tracker(info.rate), frame, context) {
-            Err(diagnostic) => vec![diagnostic.into()],
+            Err(diagnostic) => (None, vec![diagnostic.into()]),
             Ok(positions) => {
                 let displaced =
                     camera.and_then(|camera| rest::displaced_marker(&film_path, subject, &positions, camera));
-                self.dark_neighbours(&positions, &frame.gray).into_iter().chain(displaced).collect()
+                let findings = self.dark_neighbours(&positions, &frame.gray).into_iter().chain(displaced).collect();
+                (Some(positions), findings)
             }
         }
     }

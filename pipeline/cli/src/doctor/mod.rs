@@ -12,6 +12,7 @@ mod finding;
 mod log;
 mod rest;
 mod sense;
+mod side;
 mod solid;
 mod space;
 mod stamps;
