@@ -2,7 +2,7 @@
 //! by different processes.
 //!
 //! A checkpoint is written after a part's last file and holds what the rest of the recording needs of it: of a trial its ground truth.
-//! All are removed when the recording is finished.
+//! All are removed when the recording is finished; a recording of some trials keeps them.
 
 use std::path::Path;
 
@@ -48,6 +48,20 @@ pub(crate) fn save_bytes(folder: &Path, part: &str, bytes: &[u8]) -> Result<()> 
     let path = folder.join(FOLDER).join(part);
     std::fs::rename(folder.join(FOLDER).join(format!("{part}.unfinished")), &path)
         .map_err(|e| folder::unusable_path(&path, e))
+}
+
+/// Makes the folder of the checkpoints where there is none yet.
+///
+/// # Errors
+/// When it cannot be made.
+pub(crate) fn begin(folder: &Path) -> Result<()> {
+    let checkpoints = folder.join(FOLDER);
+    std::fs::create_dir_all(&checkpoints).map_err(|e| folder::unusable_path(&checkpoints, e))
+}
+
+/// Whether a folder has checkpoints: those of an unfinished recording, or of one of some trials.
+pub(crate) fn exist_in(folder: &Path) -> bool {
+    folder.join(FOLDER).is_dir()
 }
 
 /// Removes all checkpoints.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::checkpoint;
 use diagnostics::{Diagnostic, Result, input};
 
 /// The partial folder of the recording `into/name`.
@@ -10,16 +11,21 @@ pub(crate) fn partial_folder(into: &Path, name: &str) -> PathBuf {
 }
 
 /// Makes the partial folder of a recording that will be `folder`, with a stamp in its file: `(file, stamp)`. The remains of an
-/// interrupted recording with the same stamp are kept; anything else is removed.
+/// interrupted recording with the same stamp are kept, and so are the trials of a recording of some trials; anything else is removed.
 ///
 /// # Errors
 /// When the folder cannot be made.
 pub(crate) fn begin_recording(folder: &Path, partial: &Path, (file, stamp): (&str, &str)) -> Result<()> {
     remove_folder(&outdated_folder(folder))?;
-    if input::read_text(&partial.join(file), input::PAGE).is_ok_and(|former| former == stamp) {
+    let has_stamp =
+        |folder: &Path| input::read_text(&folder.join(file), input::PAGE).is_ok_and(|former| former == stamp);
+    if has_stamp(partial) {
         return Ok(());
     }
     remove_folder(partial)?;
+    if has_stamp(folder) && checkpoint::exist_in(folder) {
+        return std::fs::rename(folder, partial).map_err(|e| unusable_path(folder, e));
+    }
     std::fs::create_dir_all(partial).map_err(|e| unusable_path(partial, e))?;
     write_file(partial, file, stamp.as_bytes())
 }
@@ -97,6 +103,20 @@ mod tests {
         assert!(!begun("new"));
         assert_eq!(std::fs::read_to_string(partial.join("stamp")).unwrap(), "new");
         remove_folder(&into).unwrap();
+    }
+
+    #[test]
+    fn trials_that_are_shown_are_taken_up_again_with_the_same_stamp_alone() {
+        let into = std::env::temp_dir().join(format!("rig-shown-{}", std::process::id()));
+        let (folder, partial) = (into.join("tail"), partial_folder(&into, "tail"));
+        for (former, is_kept) in [("stamp", true), ("another", false)] {
+            write_file(&folder, "stamp", former.as_bytes()).unwrap();
+            write_file(&folder, "film.mp4", b"whole").unwrap();
+            checkpoint::save_bytes(&folder, "trial", b"made").unwrap();
+            begin_recording(&folder, &partial, ("stamp", "stamp")).unwrap();
+            assert_eq!((partial.join("film.mp4").exists(), folder.exists()), (is_kept, !is_kept));
+            remove_folder(&into).unwrap();
+        }
     }
 
     #[test]

@@ -90,9 +90,10 @@ pub fn inspect_folder(folder: &Path, text: &str) -> Result<FolderState> {
     }
 }
 
-/// Whether the card can be read and every file that it names exists.
+/// Whether the card can be read and every file that it names exists, and the truth, which is written last.
 fn is_complete(folder: &Path) -> bool {
-    lab::Specimen::open(folder).is_ok_and(|specimen| specimen.missing().is_empty())
+    let has_files = lab::Specimen::open(folder).is_ok_and(|specimen| specimen.missing().is_empty());
+    has_files && folder.join(lab::folder::TRUTH).is_file()
 }
 
 #[cfg(test)]

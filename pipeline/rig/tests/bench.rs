@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use lab::{Specimen, truth};
 use rig::progress::Progress;
-use rig::record::{Request, STATICS, Status, parts, record, record_part};
+use rig::record::{Request, STATICS, Status, parts, record, record_part, record_some};
 use rig::settings::{Profile, Resolution, Settings};
 use rig::specimens::ALL;
 use rig::stamp;
@@ -153,6 +153,38 @@ fn a_recording_made_part_by_part_side_by_side_has_the_bytes_of_one_made_whole() 
         error.contains("no part `static_up`") && error.contains("it has statics, calibration, static_left"),
         "{error}"
     );
+}
+
+#[test]
+fn some_trials_can_be_read_and_what_is_left_has_the_bytes_of_a_recording_made_whole() {
+    let folder = TestFolder::new("some");
+    let (whole, some) = (folder.0.join("a"), folder.0.join("b"));
+    recorded(&whole);
+    let (set, progress) = (tiny(), Progress::new(true));
+    let request = Request { set: &set, profile: "tiny", into: &some, progress: &progress };
+    let record = |trials: &[&str]| {
+        let trials: Vec<String> = trials.iter().map(ToString::to_string).collect();
+        record_some(&ALL[0], &request, &trials)
+    };
+    assert_eq!([record(&[]).unwrap(), record(&[]).unwrap()], [Status::Recorded, Status::UpToDate]);
+    let specimen = some.join(&*ALL[0].name);
+    assert!(Specimen::open(&specimen).is_ok() && !specimen.join("trials").exists());
+    assert_eq!(
+        [record(&["static_left"]).unwrap(), record(&["static_left"]).unwrap()],
+        [Status::Recorded, Status::UpToDate]
+    );
+    for file in
+        ["trials/static_left/video.mp4", "trials/static_left/pressure.csv", "camera/calibration.mp4", "cad/body.stl"]
+    {
+        let read = |into: &Path| std::fs::read(into.join(&*ALL[0].name).join(file)).unwrap();
+        assert!(read(&whole) == read(&some), "{file}");
+    }
+    assert!(!specimen.join("trials/static_right/video.mp4").exists() && !specimen.join("truth.toml").exists());
+    assert_eq!(record(&["calibration", "taps"]).unwrap(), Status::UpToDate);
+    let error = record(&["static_up"]).unwrap_err().to_string();
+    assert!(error.contains("no part `static_up`") && error.contains("static_left"), "{error}");
+    assert_eq!((recorded(&some), record(&["static_left"]).unwrap()), (Status::Recorded, Status::UpToDate));
+    assert!(bytes(&whole) == bytes(&some));
 }
 
 #[test]

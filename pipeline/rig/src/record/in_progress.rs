@@ -9,7 +9,7 @@ use std::time::Duration;
 use diagnostics::{Diagnostic, Result, input};
 use workflow::runner::{Attempt, Holder, Lock};
 
-use super::Request;
+use super::{CALIBRATION, Request};
 use crate::checkpoint;
 use crate::folder;
 use crate::specimen::Specimen;
@@ -108,6 +108,25 @@ impl<'a> InProgress<'a> {
         }
         save(&content)?;
         Ok(content)
+    }
+
+    /// Whether the folder of the recording holds the card, these trials, and with `calibrated` the calibration.
+    pub(super) fn shows(&self, trials: &[String], calibrated: bool) -> bool {
+        let stamp = input::read_text(&self.at.join(stamp::FILE), input::PAGE);
+        stamp.is_ok_and(|stamp| stamp == self.stamp)
+            && self.at.join(lab::folder::CARD).is_file()
+            && trials.iter().all(|id| checkpoint::load_trial(&self.at, id).is_some())
+            && (!calibrated || checkpoint::load_bytes(&self.at, CALIBRATION).is_some())
+    }
+
+    /// Shows the partial folder as the recording, with its checkpoints, by which it is taken up again.
+    ///
+    /// # Errors
+    /// When a folder cannot be removed or renamed.
+    pub(super) fn show_parts(&self) -> Result<()> {
+        let _lock = self.lock_part(FOLDER)?;
+        checkpoint::begin(&self.folder)?;
+        folder::finish_recording(&self.folder, &self.at)
     }
 
     /// Replaces the former recording by the partial folder, of which every part is made.

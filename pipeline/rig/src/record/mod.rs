@@ -12,7 +12,7 @@ mod truth;
 use std::path::Path;
 
 use diagnostics::{Diagnostic, Result};
-use lab::card::Trial;
+use lab::card::{Card, Trial};
 use lab::truth::{TrueForce, TrueTrial};
 use rayon::prelude::*;
 use si::{MILLIMETRE, Metre};
@@ -89,6 +89,46 @@ pub fn record(specimen: &Specimen, request: &Request) -> Result<Status> {
     Ok(Status::Recorded)
 }
 
+/// Records some parts of `specimen` into `into/<name>`: trials and fixture's logs by their names, and `calibration`; with any of them the calibration
+/// and all the fixture's logs, which take seconds. The card and the solids are always written. What a figure needs is recorded so; [`record`] makes what
+/// is left. An up-to-date recording is kept.
+///
+/// # Errors
+/// As [`record`]; also when there is no such part.
+pub fn record_some(specimen: &Specimen, request: &Request, names: &[String]) -> Result<Status> {
+    let chosen = chosen_trials(specimen, request, names)?;
+    if is_current(specimen, request)? {
+        return Ok(Status::UpToDate);
+    }
+    let recording = InProgress::of_specimen(specimen, request)?;
+    let _whole = recording.lock_part(WHOLE)?;
+    if recording.shows(&chosen, !names.is_empty()) || !recording.begin_recording()? {
+        return Ok(Status::UpToDate);
+    }
+    let record_chosen = || {
+        let setup = Setup::new(specimen, request)?;
+        write_solids(setup.name, &setup.tail, setup.request.set.cad.fineness, &recording.folder)?;
+        let card = write_card(&setup, &recording)?;
+        if names.is_empty() { Ok(()) } else { fill_trials(&setup, &recording, (&card, &chosen)) }
+    };
+    record_chosen().map_err(|e| e.of(&*specimen.name))?;
+    recording.show_parts()?;
+    Ok(Status::Recorded)
+}
+
+/// The trials among the names of parts.
+fn chosen_trials(specimen: &Specimen, request: &Request, names: &[String]) -> Result<Vec<String>> {
+    let (_, trials) = parts(specimen, request);
+    let fixtures: Vec<String> = card::fixture_recordings(request.set).into_iter().map(|fixture| fixture.id).collect();
+    let is_known = |id: &String| id == CALIBRATION || trials.contains(id) || fixtures.contains(id);
+    if let Some(unknown) = names.iter().find(|id| !is_known(id)) {
+        let message = format!("the recording of `{}` has no part `{unknown}`", specimen.name);
+        let why = format!("it has {CALIBRATION}, {}, {}", fixtures.join(", "), trials.join(", "));
+        return Err(Diagnostic::new(message, why, "name one of these"));
+    }
+    Ok(trials.into_iter().filter(|id| names.contains(id)).collect())
+}
+
 /// Makes one part of a recording: `STATICS`, `CALIBRATION`, or a trial by its name. The recording stays in progress until [`record`]
 /// makes what is left of it.
 ///
@@ -137,17 +177,40 @@ fn record_parts(setup: &Setup, recording: &InProgress) -> Result<()> {
 }
 
 fn fill_with(setup: &Setup, recording: &InProgress, bench: &Bench) -> Result<()> {
-    let Setup { name, tail, trials, .. } = setup;
-    let (set, folder, film) = (bench.set, &recording.folder, setup.calibration_film());
-    let observed = setup.observe_at_rest()?;
-    let card = card::write_card(&CardContent { name, set, tail, trials }, &observed, &film);
-    folder::write_file(folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;
+    let (set, folder) = (bench.set, &recording.folder);
+    let card = write_card(setup, recording)?;
     let (trial, mut force) = record_all(setup, recording, bench)?;
     for fixture in &card.fixture {
         force.push(force_log::record_fixture(set, bench.seed, fixture, folder)?);
     }
     let truth = truth::recording_truth(setup, bench, (trial, force));
     folder::write_file(folder, lab::folder::TRUTH, lab::truth::write(&truth).as_bytes())
+}
+
+/// Writes the card of all trials.
+fn write_card(setup: &Setup, recording: &InProgress) -> Result<Card> {
+    let Setup { name, tail, trials, request, .. } = setup;
+    let observed = setup.observe_at_rest()?;
+    let card =
+        card::write_card(&CardContent { name, set: request.set, tail, trials }, &observed, &setup.calibration_film());
+    folder::write_file(&recording.folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;
+    Ok(card)
+}
+
+/// Records the calibration, the fixture's logs, and some trials in parallel.
+fn fill_trials(setup: &Setup, recording: &InProgress, (card, chosen): (&Card, &[String])) -> Result<()> {
+    record_calibration(setup, recording)?;
+    for fixture in &card.fixture {
+        force_log::record_fixture(setup.request.set, setup.seed(), fixture, &recording.folder)?;
+    }
+    if chosen.is_empty() {
+        return Ok(());
+    }
+    let Statics { sweeps, reduced } = Statics::of_setup(setup, recording)?;
+    let trials: Vec<&Trial> = setup.trials.iter().filter(|trial| chosen.contains(&trial.id)).collect();
+    setup.on_bench((&sweeps, &reduced), &|bench| {
+        trials.par_iter().try_for_each(|trial| trial_once(bench, trial, recording).map(|_| ()))
+    })
 }
 
 /// Records the calibration and every trial in parallel; results are in the card's order.

@@ -70,6 +70,11 @@ impl<'a> Setup<'a> {
         Ok(Self { request, name, own, profile, tail, hidden, body, renderer, subject, marks, trials })
     }
 
+    /// What everything hidden of it is drawn from.
+    pub(super) fn seed(&self) -> u64 {
+        self.own.seed
+    }
+
     /// The pressures of each side's sweep, Pa.
     pub(super) fn sweep_pressures(&self) -> Vec<Pascal> {
         let set = self.request.set;

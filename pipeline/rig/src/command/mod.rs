@@ -1,5 +1,7 @@
-//! The command line: `rig record [SPECIMEN…] [--part PART] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`,
+//! The command line: `rig record [SPECIMEN[/TRIAL]…] [--cards] [--part PART] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`,
 //! `rig draw COUNT [--seed S] [--only NUMBER]`, `rig export snakemake`, `rig check [--profile NAME] [--write]`.
+
+mod chosen;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,15 +11,15 @@ use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
 use workflow::snakemake::Workflow;
 
+use self::chosen::{chosen_numbers, chosen_specimens, chosen_trials, known_profile};
 use crate::export::{self, Recording};
 use crate::folder;
 use crate::population;
 use crate::progress::Progress;
 use crate::realism;
-use crate::record::{Request, Status, record, record_part};
+use crate::record::{Request, Status, record, record_part, record_some};
 use crate::settings::Settings;
 use crate::specimen::{Draw, Specimen};
-use crate::specimens::ALL;
 
 /// The virtual bench: simulates experiments on specimens with hidden properties and writes them to data/raw.
 #[derive(Parser)]
@@ -31,8 +33,12 @@ struct Line {
 enum Task {
     /// Record specimens. Without a name, all are recorded. Recordings that are up to date are kept. Several processes may record at once.
     Record {
-        /// Names of specimens.
+        /// Names of specimens, or of parts as SPECIMEN/PART (a trial, a log of the fixture, calibration): of a specimen whose parts are named, these alone
+        /// are recorded; the same command with the specimen's name makes what is left.
         specimens: Vec<String>,
+        /// Only the cards and the solids: enough for `study plan` to tell which trials something needs.
+        #[arg(long, conflicts_with = "part")]
+        cards: bool,
         /// Only this part of each recording: statics, which every trial needs, calibration, or a trial by its name. The same command
         /// without it makes what is left and finishes the recording.
         #[arg(long)]
@@ -147,11 +153,13 @@ const FAILURE: u8 = 1;
 pub fn run() -> ExitCode {
     let set = Settings::built_in();
     match Line::parse().task {
-        Task::Record { specimens, part, profile, destination } => {
+        Task::Record { specimens, cards, part, profile, destination } => {
             let (into, progress) = (destination.recordings_folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
-            let chosen = chosen_specimens(&specimens, &profile, &set);
-            record_each(chosen, |specimen| record_one(specimen, &request, part.as_deref()))
+            record_each(chosen_trials(&specimens, cards, &profile, &set), |(specimen, trials)| match trials {
+                None => record_one(specimen, &request, part.as_deref()),
+                Some(trials) => record_trials(specimen, &request, &trials),
+            })
         }
         Task::Draw { count, seed, only, part, profile, destination } => {
             let (into, progress) = (destination.recordings_folder(&profile), Progress::new(destination.quiet));
@@ -253,17 +261,14 @@ fn record_one(specimen: &Specimen, request: &Request, part: Option<&str>) -> Res
     Ok(())
 }
 
-/// The numbers of the specimens of a population that are asked for.
-fn chosen_numbers(count: u16, only: Option<u16>) -> Result<Vec<usize>> {
-    match only {
-        None => Ok((1..=usize::from(count)).collect()),
-        Some(number) if (1..=count).contains(&number) => Ok(vec![number.into()]),
-        Some(number) => Err(Diagnostic::new(
-            format!("there is no specimen {number} to be drawn"),
-            format!("{count} are asked for, from 1 on"),
-            "name one of these with --only, or draw more",
-        )),
+fn record_trials(specimen: &Specimen, request: &Request, trials: &[String]) -> Result<()> {
+    let task = request.progress.begin_step("record", &*specimen.name, 1);
+    match record_some(specimen, request, trials)? {
+        Status::Recorded if trials.is_empty() => task.end_step("card and solids"),
+        Status::Recorded => task.end_step(&trials.join(", ")),
+        Status::UpToDate => request.progress.print_line("record", &specimen.name, "up to date"),
     }
+    Ok(())
 }
 
 /// The recordings of a population.
@@ -290,55 +295,9 @@ fn profile_folder(root: &Path, profile: &str) -> PathBuf {
     if profile == "paper" { root.to_owned() } else { root.join("target").join(profile) }
 }
 
-/// The specimens of these names, or those of the profile if `names` is empty.
-fn chosen_specimens(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>> {
-    known_profile(profile, set)?;
-    let names = if names.is_empty() { &set.profile[profile].specimens } else { names };
-    let known_names: Vec<&str> = ALL.iter().map(|s| &*s.name).collect();
-    let find = |name: &String| {
-        ALL.iter()
-            .find(|s| s.name == **name)
-            .ok_or_else(|| unknown_name(&format!("the specimen `{name}`"), &known_names))
-    };
-    names.iter().map(find).collect()
-}
-
-fn known_profile(profile: &str, set: &Settings) -> Result<()> {
-    let known_profiles: Vec<&str> = set.profile.keys().map(String::as_str).collect();
-    let refused = || unknown_name(&format!("the profile `{profile}`"), &known_profiles);
-    if known_profiles.contains(&profile) { Ok(()) } else { Err(refused()) }
-}
-
-fn unknown_name(subject: &str, known_names: &[&str]) -> Diagnostic {
-    Diagnostic::new(
-        format!("{subject} is unknown"),
-        format!("the bench has {}", known_names.join(", ")),
-        "name one of these",
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_unknown_specimen_or_profile_is_an_error_that_lists_the_known_ones() {
-        let set = Settings::built_in();
-        let message = |names: &[&str], profile: &str| {
-            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            chosen_specimens(&names, profile, &set).err().map(|error| error.to_string()).unwrap_or_default()
-        };
-        assert!(message(&["goldfish"], "quick").contains("the bench has nemo"));
-        assert!(message(&[], "slow").contains("paper, population, quick"));
-        assert_eq!(message(&[], "quick"), "");
-    }
-
-    #[test]
-    fn one_specimen_of_a_population_is_drawn_by_its_number() {
-        assert_eq!(chosen_numbers(3, None).unwrap(), [1, 2, 3]);
-        assert_eq!(chosen_numbers(3, Some(3)).unwrap(), [3]);
-        assert!([0, 4].iter().all(|number| chosen_numbers(3, Some(*number)).is_err()));
-    }
 
     #[test]
     fn recordings_of_other_profiles_than_paper_are_under_target() {
