@@ -32,14 +32,20 @@ paper-current: paper
     git diff --exit-code --stat -- paper/numbers.csv paper/paper.pdf
 
 # one figure, with what it needs
-fig NAME: build
-    {{programs}}/rig record
+fig NAME: (recordings NAME)
     {{programs}}/study fig {{NAME}}
 
 # one table, with what it needs
-table NAME: build
-    {{programs}}/rig record
+table NAME: (recordings NAME)
     {{programs}}/study table {{NAME}}
+
+# the recordings that a figure, a table or a stage reads: just these trials
+recordings NAME: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    {{programs}}/rig record --cards
+    needed=$({{programs}}/study plan {{NAME}} --recordings)
+    if [ -n "$needed" ]; then {{programs}}/rig record $needed; fi
 
 # one page to look at, figures/index.html, from the records at hand (of the paper profile: just page paper)
 page PROFILE="quick": build

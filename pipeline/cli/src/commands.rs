@@ -114,6 +114,8 @@ pub enum PlanForm<'a> {
     Records,
     /// The same for a program.
     Json,
+    /// The recordings that they read.
+    Recordings,
     /// The graph as a tree.
     Tree,
     /// The graph as a drawing in a file.
@@ -122,11 +124,16 @@ pub enum PlanForm<'a> {
 
 impl<'a> PlanForm<'a> {
     /// By the options of the command line, of which one is given at most.
-    pub fn chosen([times, json]: [bool; 2], schedule: &'a [usize], graph: Option<&'a Option<PathBuf>>) -> Self {
+    pub fn chosen(
+        [times, json, recordings]: [bool; 3],
+        schedule: &'a [usize],
+        graph: Option<&'a Option<PathBuf>>,
+    ) -> Self {
         match graph {
             _ if !schedule.is_empty() => Self::Schedule(schedule),
             _ if times => Self::Times,
             _ if json => Self::Json,
+            _ if recordings => Self::Recordings,
             None => Self::Records,
             Some(None) => Self::Tree,
             Some(Some(file)) => Self::Drawing(file),
@@ -146,6 +153,7 @@ pub fn show_plan(place: &Place, goal: &Goal, form: &PlanForm) -> Result<bool> {
         PlanForm::Schedule(workers) => output::line(runner.schedule(goal, workers)?),
         PlanForm::Records => output::line(runner.plan(goal)?),
         PlanForm::Json => output::line(runner.plan_json(goal)?),
+        PlanForm::Recordings => crate::recordings::needed_recordings(&runner, goal)?.iter().for_each(output::line),
         PlanForm::Tree => output::line(runner.tree(goal)?),
         PlanForm::Drawing(file) => std::fs::write(file, study::plan_svg(&runner, goal)?).map_err(|e| {
             Diagnostic::new(format!("{} cannot be written", file.display()), e, "choose another place for the drawing")

@@ -57,8 +57,8 @@ fn run_command(cli: &Cli) -> Result<bool> {
         Command::Make { records } => commands::make_records(place, records),
         Command::Publish { names } => commands::publish_exhibits(place, &goal_of(names, &None)),
         Command::Page => commands::write_page(place),
-        Command::Plan { names, specimen, graph, schedule, times, json } => {
-            let form = PlanForm::chosen([*times, *json], schedule, graph.as_ref());
+        Command::Plan { names, specimen, graph, schedule, times, json, recordings } => {
+            let form = PlanForm::chosen([*times, *json, *recordings], schedule, graph.as_ref());
             commands::show_plan(place, &goal_of(names, specimen), &form)
         }
         Command::Why { name } => commands::explain_entry(place, name),

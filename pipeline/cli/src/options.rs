@@ -113,6 +113,9 @@ pub enum Command {
         /// Print instead one JSON array for a program: an object a record with what it reads, and whether and why it would be made.
         #[arg(long, conflicts_with_all = ["graph", "schedule", "times"])]
         json: bool,
+        /// Print instead the recordings of the bench that these records read, as `rig record` takes them, one a line.
+        #[arg(long, conflicts_with_all = ["graph", "schedule", "times", "json"])]
+        recordings: bool,
     },
     /// Report the inputs of each record of a stage.
     Why {
