@@ -49,10 +49,10 @@ fn a_log_in_any_encoding_is_the_same() {
 fn titles_of_several_lines_and_days_of_a_spreadsheet_are_read() {
     let titled = columns(["Time (s)", "s"], ["Load (mN)", "mN"]);
     same("\"Time\n(s)\",\"Load\n(mN)\"\r\n0.0,500\r\n0.1,-250\r\n0.2,125\r\n", &titled);
-    let days = "t;force_n\n45413,52083333330;0,5\n45413,52083449074;-0,25\n45413,52083564815;0,125\n";
+    let days = "t;force_n\n45413,52083333333;0,5\n45413,52083449074;-0,25\n45413,52083564815;0,125\n";
     same(days, &columns(["t", "day"], ["force_n", "N"]));
     let refusal = forces(days.replacen("t;", "time_s;", 1).as_bytes(), "").unwrap_err();
-    assert!(refusal.contains("force.csv:2") && refusal.contains("unit = \"day\""), "{refusal}");
+    assert!(refusal.contains("force.csv, line 2") && refusal.contains("unit = \"day\""), "{refusal}");
 }
 
 #[test]

@@ -224,7 +224,7 @@ impl Fit<'_> {
         let rms_scales: Vec<Option<f64>> = (0..scales.len()).map(rms).collect();
         let largest = rms_scales.iter().flatten().copied().fold(1.0, f64::max);
         // Never below one: a test of few quantities that is met by chance would count for more than it was measured to.
-        known.into_iter().map(|scale| scale.unwrap_or(largest).max(1.0)).collect()
+        rms_scales.into_iter().map(|scale| scale.unwrap_or(largest).max(1.0)).collect()
     }
 
     fn covariance(&self, residuals: &Residuals, count: usize) -> DMatrix<f64> {
