@@ -20,6 +20,7 @@
 
 pub mod check;
 pub mod claims;
+mod claims_file;
 pub mod expected;
 mod junit;
 pub mod metrics_file;

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::claims;
+use crate::claims_file;
 use crate::expected::Expected;
 use crate::expected::MetricEntry;
 use crate::metrics_file;
@@ -61,6 +62,7 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<PathBuf> {
     let facts = tracked_facts(runner)?;
     if runner.profile == Profile::Paper {
         results_file::write(&runner.folders.paper_source(), &facts)?;
+        claims_file::write(&runner.folders.paper_source(), &facts)?;
     }
     let pages = source_pages(&runner.folders.paper_source())?;
     let resolved = paper::resolve(&pages, &facts).map_err(diagnostic)?;

@@ -114,7 +114,7 @@ impl Validation {
     }
 
     /// The largest distance of a frame's simulated displacement from the measured one, in per cent of the specimen's length.
-    fn max_percent(&self) -> f64 {
+    pub fn max_percent(&self) -> f64 {
         let distance = |(a, b): (&Point2, &Point2)| (a[0] - b[0]).hypot(a[1] - b[1]);
         100.0 * self.simulated.iter().zip(&self.measured).map(distance).fold(0.0, f64::max) / self.length
     }

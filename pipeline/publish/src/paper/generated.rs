@@ -13,15 +13,18 @@ pub(super) const SCOPE: char = '\u{2}';
 /// The claims whose numbers are at hand as a table: what is claimed, published, ours, verdict; nothing where there is none.
 pub(crate) fn claim_table(facts: &Facts) -> Option<String> {
     let row = |claim: &Claim| {
-        let verdict = claim.verdict(&facts.metrics);
-        let cells =
-            [claim.says.clone(), claim.published.clone(), our_numbers(claim, facts), verdict_in_words(claim, verdict)];
-        let cells: Vec<String> = cells.iter().map(|cell| string_literal(cell)).collect();
-        format!("({}, {})", cells.join(", "), verdict.is_failure())
+        let cells: Vec<String> = claim_cells(claim, facts).iter().map(|cell| string_literal(cell)).collect();
+        format!("({}, {})", cells.join(", "), claim.verdict(&facts.metrics).is_failure())
     };
     let decided = facts.claims.iter().filter(|claim| claim.verdict(&facts.metrics) != Verdict::NotMeasured);
     let rows: Vec<String> = decided.map(row).collect();
     (!rows.is_empty()).then(|| format!("#claim-table(({},))", rows.join(", ")))
+}
+
+/// What is claimed, published, ours, and the verdict.
+pub(crate) fn claim_cells(claim: &Claim, facts: &Facts) -> [String; 4] {
+    let verdict = verdict_in_words(claim, claim.verdict(&facts.metrics));
+    [claim.says.clone(), claim.published.clone(), our_numbers(claim, facts), verdict]
 }
 
 fn verdict_in_words(claim: &Claim, verdict: Verdict) -> String {

@@ -30,6 +30,7 @@ pub(crate) mod scan;
 pub(crate) use facts::tests::facts as facts_of_tests;
 pub use facts::{Facts, Made, Origin};
 pub(crate) use facts::{cited_keys, test_names};
+pub(crate) use generated::claim_cells;
 
 /// One file of the source: its name below the paper's folder, and its text.
 #[derive(Debug, Clone, PartialEq, Eq)]
