@@ -1,5 +1,6 @@
 //! Figures: rows of panels on a page of given width.
 
+use crate::animation::Animation;
 use crate::panels::Panel;
 
 /// Width of one column of the paper, mm.
@@ -70,12 +71,20 @@ pub struct Figure {
     pub note: Option<String>,
     pub(crate) width_mm: f64,
     pub(crate) rows: Vec<Row>,
+    /// Its frames, where it moves: then it has no rows of its own.
+    pub(crate) animation: Option<Animation>,
 }
 
 impl Figure {
     /// An empty figure of a width, mm ([`SINGLE_COLUMN_MM`] or [`DOUBLE_COLUMN_MM`]).
     pub fn new(width_mm: f64) -> Self {
-        Self { title: None, note: None, width_mm, rows: Vec::new() }
+        Self { title: None, note: None, width_mm, rows: Vec::new(), animation: None }
+    }
+
+    /// A figure that shows `frames` of one size in an `order` of their indices, each as long as the others, over and over in `seconds`.
+    pub fn animated(frames: Vec<Self>, order: Vec<usize>, seconds: f64) -> Self {
+        let width_mm = frames.first().map_or(DOUBLE_COLUMN_MM, |frame| frame.width_mm);
+        Self { animation: Some(Animation { frames, order, seconds }), ..Self::new(width_mm) }
     }
 
     /// The same figure with one more row of panels, `height_mm` high with all labels.

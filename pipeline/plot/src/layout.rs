@@ -42,9 +42,14 @@ impl Figure {
     /// # Errors
     /// [`PlotError`] when an axis cannot show a number, a frame is too small, or the text is above [`SVG_BYTES_LIMIT`].
     pub fn svg(&self) -> Result<String, PlotError> {
-        let mut canvas = Canvas::default();
-        let page = draw_figure(self, &mut canvas)?;
-        let text = svg::write_svg(&canvas, page)?;
+        let text = match &self.animation {
+            Some(animation) => animation.svg()?,
+            None => {
+                let mut canvas = Canvas::default();
+                let page = draw_figure(self, &mut canvas)?;
+                svg::write_svg(&canvas, page)?
+            }
+        };
         match text.len() {
             bytes if bytes > SVG_BYTES_LIMIT => Err(PlotError::TooLarge { bytes, limit: SVG_BYTES_LIMIT }),
             _ => Ok(text),

@@ -24,6 +24,7 @@
 //!
 //! Depends on `si`, plotters (SVG) and image (PNG); on no specimen, stage or file.
 
+mod animation;
 mod axis;
 mod canvas;
 mod clip;

@@ -27,6 +27,9 @@ const OF_A_POPULATION: [&str; 2] = ["calibration", "coverage"];
 /// Figures that no stage of the profile makes and the paper shows: those of real recordings, by `just real`.
 const MADE_ELSEWHERE: [&str; 2] = ["real_beam", "real_arm"];
 
+/// Figures that stand on the front page, and need not be shown in the paper.
+const OF_THE_FRONT_PAGE: [&str; 1] = ["inflation"];
+
 /// The resolved source, or its problems.
 ///
 /// # Errors
@@ -144,7 +147,8 @@ fn paper_facts<U: Universe>(
     let expected = Expected::read(&folders.expected(), profile)?;
     let claims = claims::read(&folders.claims())?;
     let made_entries = |kind: Kind, suffix: &str| -> Vec<Made> {
-        let entries = lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == kind);
+        let is_of_paper = |entry: &&Entry<U>| entry.kind == kind && !OF_THE_FRONT_PAGE.contains(&entry.name);
+        let entries = lists.iter().flat_map(|list| list.iter()).filter(is_of_paper);
         let text = |entry: &Entry<U>| {
             input::read_text(&folders.shown(kind)?.join(format!("{}.{suffix}", entry.name)), input::LOG).ok()
         };

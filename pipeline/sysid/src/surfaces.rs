@@ -1,10 +1,10 @@
 //! Solids for figures: surfaces of a mesh by what they bound, whole or cut open at mid height.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use mesh::{QuadraticFace, QuadraticMesh, SPINE, Skin};
 use plot::{Colour, Paint, Scene, palette};
-use si::Point3;
+use si::{Point2, Point3};
 
 /// What a surface bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -71,6 +71,28 @@ impl Surfaces {
         split_faces(boundary_faces(solid, |_| true), false)
     }
 
+    /// Closed lines about the faces that bound these, in the plane (m), the largest first: edges that one triangle alone has, one after the other.
+    pub fn outlines(&self, bounds: &[Bounds]) -> Vec<Vec<Point2>> {
+        let faces = bounds.iter().filter_map(|bound| self.faces.get(bound)).flatten();
+        let edges = faces.flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)]);
+        let edges: BTreeSet<(u32, u32)> = edges.collect();
+        // of two triangles at an edge each has it in the other direction
+        let mut next: BTreeMap<u32, u32> = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).copied().collect();
+        let mut loops = Vec::new();
+        while let Some((&begin, _)) = next.first_key_value() {
+            let mut outline = Vec::new();
+            let mut node = begin;
+            while let Some(following) = next.remove(&node) {
+                let [x, y, _] = self.points[node as usize];
+                outline.push([x, y]);
+                node = following;
+            }
+            loops.push(outline);
+        }
+        loops.sort_by(|a, b| enclosed_area(b).total_cmp(&enclosed_area(a)));
+        loops
+    }
+
     /// A scene with these surfaces added, each painted as `paint` returns; surfaces for which it returns none are left out.
     pub fn add_to(&self, scene: Scene, paint: impl Fn(Bounds) -> Option<Paint>) -> Scene {
         self.faces.iter().fold(scene, |scene, (bound, faces)| match paint(*bound) {
@@ -100,6 +122,12 @@ impl Bounds {
     pub fn painted(self) -> Option<Paint> {
         Some(Paint::Solid(self.colour()))
     }
+}
+
+/// Area within a closed line, m².
+fn enclosed_area(outline: &[Point2]) -> f64 {
+    let sides = outline.iter().zip(outline.iter().cycle().skip(1));
+    0.5 * sides.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs()
 }
 
 /// The boundary faces of the selected elements with what they bound.
@@ -173,6 +201,15 @@ mod tests {
             skin: vec![skin(0, Skin::Symmetry), skin(1, Skin::Outer), skin(2, Skin::Outer), skin(3, Skin::Chamber(1))],
             half: true,
         }
+    }
+
+    #[test]
+    fn the_outline_of_a_cut_is_its_rim() {
+        let solid = half();
+        let lower = Surfaces::lower_half(&solid, &solid.nodes);
+        let outlines = lower.outlines(&[Bounds::CutBody]);
+        assert_eq!((outlines.len(), outlines[0].len()), (1, 6));
+        assert!((enclosed_area(&outlines[0]) - 0.5).abs() < 1e-15);
     }
 
     #[test]

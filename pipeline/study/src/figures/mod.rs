@@ -1,9 +1,10 @@
-//! The figures of the paper, in its order.
+//! The figures of the paper, in its order, and that of the front page.
 
 mod calibration;
 mod designs;
 mod dynamics;
 mod four_parameters;
+mod inflation;
 mod load_cell;
 pub mod order;
 mod overview;
@@ -36,6 +37,7 @@ pub const ALL: &[Entry<Study>] = &[
     figure::<waveforms::Waveforms>(),
     figure::<load_cell::LoadCell>(),
     figure::<calibration::Calibration>(),
+    figure::<inflation::Inflation>(),
 ];
 
 /// From where a body cut open at mid height shows its inside: from above, before and beside.

@@ -65,7 +65,7 @@ impl figure::Figure for Tail {
     }
 }
 
-fn no_tail() -> Diagnostic {
+pub(super) fn no_tail() -> Diagnostic {
     Diagnostic::new("there is no tail to show", "no specimen was identified and inflated", "study run inflate")
 }
 

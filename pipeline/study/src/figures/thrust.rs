@@ -69,7 +69,7 @@ fn force_panel(trace: &Trace) -> Placed {
         .with(
             Mark::line(trace_curve(trace, &trace.theory, 1e3), palette::ELONGATED_BODY)
                 .dashed(Dash::Dashed)
-                .labelled(&label("theory", &trace.theory)),
+                .labelled(&label("elongated-body theory", &trace.theory)),
         )
         .with(
             Mark::line(trace_curve(trace, &trace.tuned, 1e3), palette::DISPLACEMENT)
@@ -95,7 +95,10 @@ fn means_panel(specimen: &Specimen, thrust: &records::Thrust) -> Placed {
     let highest_mean = thrust.means.iter().map(|m| 1e3 * m.measured_n).fold(0.0, f64::max);
     let axes = Axes::new(Axis::linear("measured mean", "mN"), Axis::linear("predicted mean", "mN"))
         .with(Mark::line(vec![[0.0, 0.0], [highest_mean, highest_mean]], palette::MUTED).dashed(Dash::Dotted))
-        .with(Mark::points(points(|m| m.theory_n), Marker::Triangle, palette::ELONGATED_BODY).labelled("theory"))
+        .with(
+            Mark::points(points(|m| m.theory_n), Marker::Triangle, palette::ELONGATED_BODY)
+                .labelled("elongated-body theory"),
+        )
         .with(Mark::points(points(|m| m.tuned_n), Marker::Cross, palette::DISPLACEMENT).labelled("tuned theory"))
         .with(Mark::points(points(|m| m.network_n), Marker::Disc, palette::NETWORK).labelled("network"));
     Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: held-out runs", capitalised(&specimen.card.name)))
