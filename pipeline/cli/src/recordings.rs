@@ -11,7 +11,7 @@ use workflow::runner::Goal;
 ///
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when the goal is unknown.
-pub fn needed_recordings(runner: &Runner, goal: &Goal) -> Result<BTreeSet<String>> {
+pub(crate) fn needed_recordings(runner: &Runner, goal: &Goal) -> Result<BTreeSet<String>> {
     let jobs = runner.jobs_of(goal)?;
     let raw_files = jobs.iter().filter_map(|job| job.inputs.as_ref().ok()).flat_map(|inputs| &inputs.raw);
     let needed: BTreeSet<String> = raw_files.filter_map(|file| recording_of(&file.path)).collect();

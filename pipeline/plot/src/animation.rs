@@ -3,18 +3,9 @@
 //! A frame is a group whose visibility is switched at times, so that any figure can be one; shapes are not interpolated, and nothing runs but the
 //! viewer's own clock. A program that shows no animation shows the first frame.
 
-use crate::{Figure, PlotError};
+use crate::PlotError;
+use crate::figure::{Animation, Figure};
 use std::fmt::Write;
-
-/// Frames and when they are shown.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Animation {
-    pub(crate) frames: Vec<Figure>,
-    /// The frames in the order in which they are shown, each as long as the others; one may be shown more than once.
-    pub(crate) order: Vec<usize>,
-    /// How long the whole order takes, s.
-    pub(crate) seconds: f64,
-}
 
 impl Animation {
     /// The frames as one SVG text.

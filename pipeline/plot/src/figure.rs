@@ -1,6 +1,5 @@
 //! Figures: rows of panels on a page of given width.
 
-use crate::animation::Animation;
 use crate::panels::Panel;
 
 /// Width of one column of the paper, mm.
@@ -60,6 +59,16 @@ pub(crate) struct Row {
     pub height_mm: f64,
     /// From the left.
     pub panels: Vec<Placed>,
+}
+
+/// Frames and when they are shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Animation {
+    pub(crate) frames: Vec<Figure>,
+    /// The frames in the order in which they are shown, each as long as the others; one may be shown more than once.
+    pub(crate) order: Vec<usize>,
+    /// How long the whole order takes, s.
+    pub(crate) seconds: f64,
 }
 
 /// A figure.

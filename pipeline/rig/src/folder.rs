@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::checkpoint;
 use diagnostics::{Diagnostic, Result, input};
 
 /// The partial folder of the recording `into/name`.
@@ -11,11 +10,16 @@ pub(crate) fn partial_folder(into: &Path, name: &str) -> PathBuf {
 }
 
 /// Makes the partial folder of a recording that will be `folder`, with a stamp in its file: `(file, stamp)`. The remains of an
-/// interrupted recording with the same stamp are kept, and so are the trials of a recording of some trials; anything else is removed.
+/// interrupted recording with the same stamp are kept, and so is what `folder` shows with that stamp where it is `taken_up`; anything else is removed.
 ///
 /// # Errors
 /// When the folder cannot be made.
-pub(crate) fn begin_recording(folder: &Path, partial: &Path, (file, stamp): (&str, &str)) -> Result<()> {
+pub(crate) fn begin_recording(
+    folder: &Path,
+    partial: &Path,
+    (file, stamp): (&str, &str),
+    taken_up: bool,
+) -> Result<()> {
     remove_folder(&outdated_folder(folder))?;
     let has_stamp =
         |folder: &Path| input::read_text(&folder.join(file), input::PAGE).is_ok_and(|former| former == stamp);
@@ -23,7 +27,7 @@ pub(crate) fn begin_recording(folder: &Path, partial: &Path, (file, stamp): (&st
         return Ok(());
     }
     remove_folder(partial)?;
-    if has_stamp(folder) && checkpoint::exist_in(folder) {
+    if taken_up && has_stamp(folder) {
         return std::fs::rename(folder, partial).map_err(|e| unusable_path(folder, e));
     }
     std::fs::create_dir_all(partial).map_err(|e| unusable_path(partial, e))?;
@@ -94,7 +98,7 @@ mod tests {
         let into = std::env::temp_dir().join(format!("rig-begin-{}", std::process::id()));
         let (at, partial) = (into.join("tail"), partial_folder(&into, "tail"));
         let begun = |stamp| {
-            begin_recording(&at, &partial, ("stamp", stamp)).unwrap();
+            begin_recording(&at, &partial, ("stamp", stamp), false).unwrap();
             partial.join("film.mp4").exists()
         };
         assert!(!begun("old"));
@@ -112,8 +116,7 @@ mod tests {
         for (former, is_kept) in [("stamp", true), ("another", false)] {
             write_file(&folder, "stamp", former.as_bytes()).unwrap();
             write_file(&folder, "film.mp4", b"whole").unwrap();
-            checkpoint::save_bytes(&folder, "trial", b"made").unwrap();
-            begin_recording(&folder, &partial, ("stamp", "stamp")).unwrap();
+            begin_recording(&folder, &partial, ("stamp", "stamp"), true).unwrap();
             assert_eq!((partial.join("film.mp4").exists(), folder.exists()), (is_kept, !is_kept));
             remove_folder(&into).unwrap();
         }
@@ -125,7 +128,7 @@ mod tests {
         let at = into.join("tail");
         write_file(&into.join(".tail.outdated"), "film.mp4", b"old").unwrap();
         let partial = partial_folder(&into, "tail");
-        begin_recording(&at, &partial, ("stamp", "new")).unwrap();
+        begin_recording(&at, &partial, ("stamp", "new"), false).unwrap();
         assert!(!into.join(".tail.outdated").exists());
         write_file(&at, "film.mp4", b"old").unwrap();
         finish_recording(&partial, &at).unwrap();

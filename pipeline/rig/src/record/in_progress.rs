@@ -79,7 +79,9 @@ impl<'a> InProgress<'a> {
         if stamp::inspect_folder(&self.at, &self.stamp)? == FolderState::Current {
             return Ok(false);
         }
-        folder::begin_recording(&self.at, &self.folder, (stamp::FILE, &self.stamp))?;
+        // a recording of some parts has checkpoints, a finished one has none
+        let taken_up = checkpoint::exist_in(&self.at);
+        folder::begin_recording(&self.at, &self.folder, (stamp::FILE, &self.stamp), taken_up)?;
         Ok(true)
     }
 
