@@ -1,11 +1,10 @@
 //! Checks of imported tracks over many frames: their order, and places that are repeated.
 
-use super::{ImportedError, ImportedTrack, distance};
+use super::error::{DISORDER, ImportedError};
+use super::{ImportedTrack, distance};
 use crate::klt::Observation;
 use si::Point2;
 
-/// Von Neumann's ratio that is refused, halved: that of a beat of five frames. Of values in random order it is 1.
-pub(super) const DISORDER: f64 = 0.75;
 /// Frames that give the ratio: of sixty in random order it scatters by 0.13.
 const ENOUGH: usize = 60;
 /// The spread exceeds the standard deviation of a place by so many times: below, what is seen may be noise, whose order nobody knows.
