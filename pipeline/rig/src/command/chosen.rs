@@ -21,25 +21,27 @@ pub(super) fn chosen_numbers(count: u16, only: Option<u16>) -> Result<Vec<usize>
     }
 }
 
-/// A specimen, and the trials that are asked for; none where all of it is.
+/// A specimen, and the parts that are asked for; none where all of it is.
 pub(super) type Chosen = (&'static Specimen, Option<Vec<String>>);
 
-/// The specimens among `names`, each of which is a specimen's or a trial's; all of the profile if `names` is empty. With `cards` no trial of any.
-pub(super) fn chosen_trials(names: &[String], cards: bool, profile: &str, set: &Settings) -> Result<Vec<Chosen>> {
-    let mut trials: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    let mut whole: Vec<String> = Vec::new();
+/// The specimens among `names`, each of which is a specimen's or a part's, SPECIMEN/PART; all of the profile if `names` is empty. With `cards` no part of
+/// any.
+pub(super) fn chosen_parts(names: &[String], cards: bool, profile: &str, set: &Settings) -> Result<Vec<Chosen>> {
+    let mut parts: BTreeMap<&str, Option<Vec<String>>> = BTreeMap::new();
     for name in names {
-        match name.split_once('/') {
-            Some((specimen, trial)) => trials.entry(specimen).or_default().push(trial.to_owned()),
-            None => whole.push(name.clone()),
+        let (specimen, part) = name.split_once('/').map_or((&**name, None), |(specimen, part)| (specimen, Some(part)));
+        let known = parts.entry(specimen).or_insert_with(|| Some(Vec::new()));
+        match part {
+            None => *known = None,
+            Some(part) => known.iter_mut().for_each(|parts| parts.push(part.to_owned())),
         }
     }
-    whole.extend(trials.keys().filter(|name| !names.iter().any(|other| other == *name)).map(|name| name.to_string()));
-    let of_specimen = |specimen: &'static Specimen| {
-        let named = trials.get(&*specimen.name).filter(|_| !names.iter().any(|name| **name == *specimen.name));
-        (specimen, if cards { Some(Vec::new()) } else { named.cloned() })
+    let specimens: Vec<String> = parts.keys().map(|name| name.to_string()).collect();
+    let of_specimen = |specimen: &'static Specimen| match cards {
+        true => (specimen, Some(Vec::new())),
+        false => (specimen, parts.get(&*specimen.name).cloned().flatten()),
     };
-    Ok(chosen_specimens(&whole, profile, set)?.into_iter().map(of_specimen).collect())
+    Ok(chosen_specimens(&specimens, profile, set)?.into_iter().map(of_specimen).collect())
 }
 
 /// The specimens of these names, or those of the profile if `names` is empty.
@@ -74,11 +76,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn trials_are_named_behind_their_specimen_and_a_whole_specimen_has_them_all() {
+    fn parts_are_named_behind_their_specimen_and_a_whole_specimen_has_them_all() {
         let set = Settings::built_in();
         let chosen = |names: &[&str], cards: bool| {
             let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            let chosen = chosen_trials(&names, cards, "paper", &set).unwrap();
+            let chosen = chosen_parts(&names, cards, "paper", &set).unwrap();
             chosen.into_iter().map(|(specimen, trials)| (specimen.name.to_string(), trials)).collect::<Vec<_>>()
         };
         let trials = |names: &[&str]| Some(names.iter().map(ToString::to_string).collect::<Vec<_>>());

@@ -11,7 +11,7 @@ use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
 use workflow::snakemake::Workflow;
 
-use self::chosen::{chosen_numbers, chosen_specimens, chosen_trials, known_profile};
+use self::chosen::{chosen_numbers, chosen_parts, chosen_specimens, known_profile};
 use crate::export::{self, Recording};
 use crate::folder;
 use crate::population;
@@ -156,9 +156,9 @@ pub fn run() -> ExitCode {
         Task::Record { specimens, cards, part, profile, destination } => {
             let (into, progress) = (destination.recordings_folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
-            record_each(chosen_trials(&specimens, cards, &profile, &set), |(specimen, trials)| match trials {
+            record_each(chosen_parts(&specimens, cards, &profile, &set), |(specimen, parts)| match parts {
                 None => record_one(specimen, &request, part.as_deref()),
-                Some(trials) => record_trials(specimen, &request, &trials),
+                Some(parts) => record_parts(specimen, &request, &parts),
             })
         }
         Task::Draw { count, seed, only, part, profile, destination } => {
@@ -261,11 +261,11 @@ fn record_one(specimen: &Specimen, request: &Request, part: Option<&str>) -> Res
     Ok(())
 }
 
-fn record_trials(specimen: &Specimen, request: &Request, trials: &[String]) -> Result<()> {
+fn record_parts(specimen: &Specimen, request: &Request, parts: &[String]) -> Result<()> {
     let task = request.progress.begin_step("record", &*specimen.name, 1);
-    match record_some(specimen, request, trials)? {
-        Status::Recorded if trials.is_empty() => task.end_step("card and solids"),
-        Status::Recorded => task.end_step(&trials.join(", ")),
+    match record_some(specimen, request, parts)? {
+        Status::Recorded if parts.is_empty() => task.end_step("card and solids"),
+        Status::Recorded => task.end_step(&parts.join(", ")),
         Status::UpToDate => request.progress.print_line("record", &specimen.name, "up to date"),
     }
     Ok(())
