@@ -1,6 +1,6 @@
 //! The program `study`: its command line and what it does without the pipeline.
 //!
-//! [`doctor`] inspects recordings before anything is computed, [`init`] creates a specimen, [`meshing`] meshes surfaces, [`recordings`] tells which recordings a goal needs, [`reducing`] trains reduced models, [`shell`] writes completions and manual pages, [`track`] tracks markers through any film, [`twin`] exports a tail for a controller.
+//! [`doctor`] inspects recordings before anything is computed, [`init`] creates a specimen, [`meshing`] meshes surfaces, [`recordings`] lists the recordings that a goal needs, [`reducing`] trains reduced models, [`shell`] writes completions and manual pages, [`track`] tracks markers through any film, [`twin`] exports a tail for a controller.
 //! Every other command calls `study`, `simulate` or `sysid`.
 //!
 //! ```

@@ -36,7 +36,7 @@ enum Task {
         /// Names of specimens, or of parts as SPECIMEN/PART (a trial, a log of the fixture, calibration): of a specimen whose parts are named, these alone
         /// are recorded; the same command with the specimen's name makes what is left.
         specimens: Vec<String>,
-        /// Only the cards and the solids: enough for `study plan` to tell which trials something needs.
+        /// Only the cards and the solids: enough for `study plan` to list the trials that something needs.
         #[arg(long, conflicts_with = "part")]
         cards: bool,
         /// Only this part of each recording: statics, which every trial needs, calibration, or a trial by its name. The same command

@@ -53,8 +53,8 @@ impl figure::Figure for Inflation {
 
 /// Shapes at like distances among all, the last one among them.
 fn evenly_chosen(shapes: &[Shape]) -> Vec<&Shape> {
-    let stride = shapes.len().div_ceil(FRAMES).max(1);
-    let mut chosen: Vec<&Shape> = shapes.iter().rev().step_by(stride).collect();
+    let step = shapes.len().div_ceil(FRAMES).max(1);
+    let mut chosen: Vec<&Shape> = shapes.iter().rev().step_by(step).collect();
     chosen.reverse();
     chosen
 }
