@@ -53,17 +53,15 @@ pub fn specimen_twin(runner: &Runner, specimen: &Specimen, rest: Option<&[Point2
     let outputs: Vec<(&str, usize)> = markers.chain(names.iter().map(String::as_str)).zip(0..).collect();
     let mut data = twin_data(&reduced_body, water.as_ref(), &outputs)?;
     let points: Vec<Point3> = model.markers.iter().map(|spot| spot.at(&mesh.solid.nodes)).collect();
-    let arrays = reduced_body.model().arrays();
-    let solids: Vec<&str> = arrays.regions.iter().map(|region| identified.solids[region.region].as_str()).collect();
-    name_parts(&mut data, (&solids, &points));
+    name_parts(&mut data, (reduced_body.group_names(&|region| identified.solids[region].clone()), &points));
     limit_pressures(&mut data, specimen, reduced.highest);
     Ok(TwinData { half, provenance: twin_provenance(runner, specimen, &records), ..data })
 }
 
 /// Gives regions their solids' names, and outputs the places of their `points` at rest, x and y of each in turn.
-fn name_parts(data: &mut TwinData, (solids, points): (&[&str], &[Point3])) {
+fn name_parts(data: &mut TwinData, (solids, points): (Vec<String>, &[Point3])) {
     for (region, solid) in data.regions.iter_mut().zip(solids) {
-        region.name = (*solid).to_owned();
+        region.name = solid;
     }
     for (output, at_rest) in data.outputs.iter_mut().zip(points.iter().flat_map(|[x, y, _]| [x, y])) {
         output.at_rest = *at_rest;

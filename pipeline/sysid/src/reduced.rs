@@ -63,7 +63,7 @@ impl ReducedBody {
         // A twin takes whole steps. Where a wall buckles none may be found, and the line search of the reduced model finds one.
         if motion.suits_a_twin()
             && self.has_twin()
-            && let Ok(states) = motion.twin_states(self.twin_data(&[])?)
+            && let Some(states) = motion.twin_states(self.twin_data(&[])?)?
         {
             return Ok(states.iter().map(|(q, _)| position(q)).collect());
         }

@@ -2,13 +2,16 @@
 
 use fem::{ReducedRegion, Relaxation, Scheme};
 use nalgebra::DVector;
-use twin::{Chamber, Output, Region, Twin, TwinData};
+use twin::{Chamber, Output, Region, Twin, TwinData, TwinError};
 
 use crate::reduced::{ForcedMotion, ReducedBody};
 use diagnostics::{Diagnostic, Result};
 
 /// The laws that a twin evaluates.
 const LAWS: [&str; 2] = ["neo_hookean", "yeoh"];
+/// Coordinates and velocities after each step of a motion.
+type States = Vec<(DVector<f64>, DVector<f64>)>;
+
 /// Largest size of the last iteration of a step, relative to the largest shape: that of the reduced model's own integration, so that
 /// differences of motions are as exact.
 const TOLERANCE: f64 = 1e-8;
@@ -28,6 +31,7 @@ impl ReducedBody {
         let (arrays, r) = (self.model().arrays(), self.coordinates());
         let constants: Vec<_> = self.constants().collect();
         let regions = arrays.regions.iter().map(|points| (points, constants[points.region]));
+        let names = self.group_names(&|region| format!("solid{region}"));
         let chamber = |(number, (at_rest, [a, b, c])): (usize, &(f64, [&[f64]; 3]))| Chamber {
             name: format!("chamber{number}"),
             range: Chamber::UNLIMITED,
@@ -44,13 +48,28 @@ impl ReducedBody {
         Ok(TwinData {
             mass: arrays.mass.to_vec(),
             size: arrays.size,
-            regions: regions.map(|(points, constants)| twin_region(points, constants, r)).collect::<Result<_>>()?,
+            regions: regions
+                .zip(names)
+                .map(|((points, constants), name)| Ok(Region { name, ..twin_region(points, constants, r)? }))
+                .collect::<Result<_>>()?,
             chambers: arrays.chambers.iter().enumerate().map(chamber).collect(),
             sections: Vec::new(),
             outputs: outputs.iter().flat_map(named).collect(),
             half: false,
             provenance: Vec::new(),
         })
+    }
+
+    /// Names of the groups of cubature points, after what each region is called: numbered where a region has several, as in hexahedra, whose
+    /// groups integrate different shares of its moduli.
+    pub fn group_names(&self, region_name: &dyn Fn(usize) -> String) -> Vec<String> {
+        let regions: Vec<usize> = self.model().arrays().regions.iter().map(|points| points.region).collect();
+        let numbered = |(group, &region): (usize, &usize)| {
+            let number = regions[..group].iter().filter(|other| **other == region).count();
+            let is_alone = regions.iter().filter(|other| **other == region).count() == 1;
+            if is_alone { region_name(region) } else { format!("{}_{number}", region_name(region)) }
+        };
+        regions.iter().enumerate().map(numbered).collect()
     }
 }
 
@@ -61,21 +80,24 @@ impl ForcedMotion<'_> {
         set.scheme == Scheme::Bdf2 && set.mass_damping == 0.0 && set.stiffness_damping == 0.0
     }
 
-    /// The motion by the twin of these arrays: q and q̇ after each step.
+    /// The motion by the twin of these arrays: q and q̇ after each step; none where a step finds no motion.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when a step finds no motion.
-    pub fn twin_states(&self, data: TwinData) -> Result<Vec<(DVector<f64>, DVector<f64>)>> {
-        let mut states = Vec::with_capacity(self.times.len());
+    /// A [`Diagnostic`] when the arrays are those of no tail.
+    pub fn twin_states(&self, data: TwinData) -> Result<Option<States>> {
+        let mut states = States::with_capacity(self.times.len());
         let twin = Twin::new(data)?.with_tolerance(TOLERANCE);
         let mut state = twin.start();
         for &time in self.times {
             let duration = time - state.time();
-            twin.step(&mut state, &(self.pressures)(time), duration)?;
+            match twin.step(&mut state, &(self.pressures)(time), duration) {
+                Err(TwinError::NoConvergence { .. }) => return Ok(None),
+                other => other?,
+            }
             let [q, velocity] = [state.coordinates(), state.velocity()].map(DVector::from_column_slice);
             states.push((q, velocity));
         }
-        Ok(states)
+        Ok(Some(states))
     }
 }
 
@@ -96,7 +118,7 @@ fn twin_region(
     // points × 9 × r to points × r × 9
     let transposed = |point: &[f64]| (0..9 * r).map(|index| point[index % 9 * r + index / 9]).collect::<Vec<_>>();
     Ok(Region {
-        name: format!("solid{}", reduced_region.region),
+        name: String::new(),
         mu: moduli.mu,
         lambda: moduli.lambda,
         stiffening: if reduced_region.material.is_stiffening() { moduli.stiffening } else { [0.0; 2] },

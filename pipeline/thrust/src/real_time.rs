@@ -38,7 +38,7 @@ impl Surroundings<'_> {
     ) -> Result<()> {
         if motion.suits_a_twin()
             && body.has_twin()
-            && let Ok(states) = motion.twin_states(twin_data(body, Some(self), &[])?)
+            && let Some(states) = motion.twin_states(twin_data(body, Some(self), &[])?)?
         {
             states.iter().for_each(|(q, velocity)| see(q, velocity));
             return Ok(());

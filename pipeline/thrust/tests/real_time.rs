@@ -22,12 +22,15 @@ const TOP: f64 = 2e4;
 const STATIONS: [f64; 3] = [0.03, 0.06, 0.09];
 
 /// A beam of silicone with a chamber on either side and a stiffer sheet between them, the upper half.
-fn beam(law: &str) -> (Model, Viscoelastic) {
+fn beam(law: &str, hexahedra: bool) -> (Model, Viscoelastic) {
     let (cells, region) = ([12, 5, 2], |[_, j, _]: [usize; 3]| if j == 2 { 1 } else { 0 });
     let air = |[i, j, k]: [usize; 3]| (1..11).contains(&i) && (j == 1 || j == 3) && k < 1;
     let place = |at: [f64; 3]| [LENGTH * at[0], 0.02 * (at[1] - 0.5), 0.008 * at[2]];
-    let grid = box_mesh::grid(cells, true, place, |cell| if air(cell) { None } else { Some(region(cell)) });
-    let mesh = box_mesh::to_quadratic(&grid);
+    let solid = |cell| if air(cell) { None } else { Some(region(cell)) };
+    let mesh = match hexahedra {
+        true => box_mesh::quadratic_hexahedra(cells, true, place, solid),
+        false => box_mesh::to_quadratic(&box_mesh::grid(cells, true, place, solid)),
+    };
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let law = materials::by_name(law).unwrap();
     let elastic = Elastic { youngs_moduli: vec![2e5, 2e6], poissons_ratios: vec![0.45, 0.4], stiffening: [0.0; 2] };
@@ -109,7 +112,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn in_air_and_in_water_a_twin_moves_as_its_reduced_model_and_within_a_five_hundredth_of_the_length_of_the_whole_one() {
-    let (model, silicone) = beam("neo_hookean");
+    let (model, silicone) = beam("neo_hookean", false);
     let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[TOP; 2], length: LENGTH };
     let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-3).unwrap().data).unwrap();
     let stations = Stations { clamp: 0.0, marks: &STATIONS, edge: LENGTH, end: LENGTH };
@@ -128,9 +131,23 @@ fn in_air_and_in_water_a_twin_moves_as_its_reduced_model_and_within_a_five_hundr
     assert!(difference(&dry, &whole(&model, &silicone)) < 2e-3 * LENGTH);
 }
 
+/// Their cubature has two groups of points in each solid.
+#[test]
+fn a_beam_in_hexahedra_has_a_twin_whose_groups_have_names_of_their_own() {
+    let (model, silicone) = beam("neo_hookean", true);
+    let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[0.5 * TOP; 2], length: LENGTH };
+    let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-2).unwrap().data).unwrap();
+    let data = twin_data(&body, None, &[]).unwrap();
+    let names: Vec<&str> = data.regions.iter().map(|region| region.name.as_str()).collect();
+    assert_eq!(names, ["solid0_0", "solid0_1", "solid1_0", "solid1_1"]);
+    let (by_twin, by_reduced_model) = (fastest(&body, None), reduced(&body, None));
+    assert!(difference(&by_twin, &by_reduced_model) < 1e-6 * LENGTH);
+    assert!(by_twin != by_reduced_model, "integrated by the twin");
+}
+
 #[test]
 fn a_law_that_a_twin_lacks_is_refused() {
-    let (model, silicone) = beam("corotated");
+    let (model, silicone) = beam("corotated", false);
     let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[0.2 * TOP; 2], length: LENGTH };
     let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-2).unwrap().data).unwrap();
     let refused = twin_data(&body, None, &[]).unwrap_err().to_string();

@@ -36,7 +36,7 @@ pub struct Output {
 /// \[bonet2008\] where C₂₀ and C₃₀ are zero, Yeoh's \[yeoh1993\] otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    /// Its name on the card.
+    /// Its name on the card, numbered where its points are in several groups, which integrate different shares of its moduli.
     pub name: String,
     /// μ after all relaxation, Pa.
     pub mu: f64,

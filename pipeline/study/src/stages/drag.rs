@@ -63,7 +63,7 @@ impl Stage for Drag {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, OfTrials<Motion, UnderwaterStaircases>);
     type Makes = records::Drag;
     const DESCRIPTION: &'static str = "a release under water gives added mass and drag";
-    const VERSION: u32 = 12;
+    const VERSION: u32 = 13;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<records::Drag> {
         let ((mesh, identified, reduced), relaxation, films) = needs;

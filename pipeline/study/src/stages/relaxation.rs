@@ -58,7 +58,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 10;
 
     fn run(
         card: &Self::Card,
