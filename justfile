@@ -220,6 +220,18 @@ bench-python:
     "$in/pip" install --quiet --force-reinstall --no-deps target/bench-python/wheel/softfish-*.whl
     "$in/python" pipeline/python/benches/side_by_side.py
 
+# bodies with chambers meshed by this, gmsh, tetgen and fTetWild: elements, angles, seconds, and the tip of each mesh under pressure
+bench-meshers: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    in=$PWD/target/bench-meshers/bin
+    if [ ! -x "$in/python" ]; then
+        "${PYTHON:-python3}" -m venv target/bench-meshers
+        # releases, so that two runs compare the same code
+        "$in/pip" install --quiet 'gmsh==4.15.2' 'tetgen==0.8.4' 'pytetwild==0.4.2' pyvista meshio numpy
+    fi
+    "$in/python" pipeline/mesh/benches/beside_others.py {{programs}}/study
+
 # formatting and lints, warnings as errors
 lint:
     cargo fmt --all --check

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Assembly, Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, TetMesh, mesh, mesh_general,
+    Assembly, Curving, Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, mesh, mesh_general,
     mesh_in_hexahedra, mesh_without_sheet, quadratic,
 };
 
@@ -52,6 +52,8 @@ pub struct Chosen {
     pub solid: QuadraticMesh,
     /// Its report.
     pub report: Report,
+    /// The middles that the general method moved onto the surfaces.
+    pub curving: Option<Curving>,
     /// Why it is not in hexahedra where they were wished for.
     pub not_hexahedra: Option<MeshError>,
     /// Why it is not in columns where they were tried first.
@@ -73,7 +75,8 @@ pub fn mesh_chosen(
         ElementChoice::HexahedraWherePossible(grading) | ElementChoice::Hexahedra(grading) => {
             match mesh_in_hexahedra(body, spine, set, &grading) {
                 Ok((solid, report)) => {
-                    return Ok(Chosen { solid, report, not_hexahedra: None, not_columns: None });
+                    let [not_hexahedra, not_columns] = [None, None];
+                    return Ok(Chosen { solid, report, curving: None, not_hexahedra, not_columns });
                 }
                 Err(why) => Some(why),
             }
@@ -82,51 +85,43 @@ pub fn mesh_chosen(
     match (choice, refused) {
         (ElementChoice::Hexahedra(_), Some(why)) => Err(why),
         (_, not_hexahedra) => {
-            let ((linear, report), not_columns) = mesh_tetrahedra(&Assembly::of_body(body, spine), set, &|_| ())?;
-            Ok(Chosen { solid: quadratic(&linear), report, not_hexahedra, not_columns })
+            let chosen = mesh_assembly(&Assembly::of_body(body, spine), set, &|_| ())?;
+            Ok(Chosen { not_hexahedra, ..chosen })
         }
     }
 }
-
-/// A body in tetrahedra, and why not in columns where these were tried first.
-type Tetrahedra = ((TetMesh, Report), Option<MeshError>);
 
 /// Meshes a body with inserts and cavities in tetrahedra, by the method of the settings. `watch` hears of each step.
 ///
 /// # Errors
 /// [`MeshError`] of the surfaces, which names the part and the place.
 pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
-    let ((linear, report), not_columns) = mesh_tetrahedra(assembly, set, watch)?;
-    Ok(Chosen { solid: quadratic(&linear), report, not_hexahedra: None, not_columns })
-}
-
-/// A body in tetrahedra by the method of the settings.
-fn mesh_tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Tetrahedra, MeshError> {
     match set.method {
-        Method::Columns => Ok((mesh_columns(assembly, set)?, None)),
-        Method::General => Ok((mesh_general(assembly, set, watch)?, None)),
+        Method::Columns => mesh_columns(assembly, set),
+        Method::General => mesh_general(assembly, set, watch),
         // the general method meshes whole bodies alone
-        Method::Auto if set.use_symmetry => Ok((mesh_columns(assembly, set)?, None)),
+        Method::Auto if set.use_symmetry => mesh_columns(assembly, set),
         // A limit closer than the columns' own: those of a round bellows were 0.53 % short of its volume and passed
         // theirs of 2 %.
         Method::Auto => {
             match mesh_columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
-                Ok(made) => Ok((made, None)),
+                Ok(made) => Ok(made),
                 // the general method would take as much
                 Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
                 Err(why) => {
                     watch("no columns: the general method");
-                    Ok((mesh_general(assembly, set, watch)?, Some(why)))
+                    Ok(Chosen { not_columns: Some(why), ..mesh_general(assembly, set, watch)? })
                 }
             }
         }
     }
 }
 
-fn mesh_columns(assembly: &Assembly, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
-    match (assembly.inserts.as_slice(), assembly.cavities.len()) {
-        ([], 0) => mesh_without_sheet(assembly.body, set),
-        ([spine], 0) => mesh(assembly.body, spine, set),
-        (inserts, cavities) => Err(MeshError::ManyParts { inserts: inserts.len(), cavities }),
-    }
+fn mesh_columns(assembly: &Assembly, set: &Settings) -> Result<Chosen, MeshError> {
+    let (linear, report) = match (assembly.inserts.as_slice(), assembly.cavities.len()) {
+        ([], 0) => mesh_without_sheet(assembly.body, set)?,
+        ([spine], 0) => mesh(assembly.body, spine, set)?,
+        (inserts, cavities) => return Err(MeshError::ManyParts { inserts: inserts.len(), cavities }),
+    };
+    Ok(Chosen { solid: quadratic(&linear), report, curving: None, not_hexahedra: None, not_columns: None })
 }

@@ -61,6 +61,11 @@ impl Nearest {
         (cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]
     }
 
+    /// The corners of the triangle that was hit.
+    pub fn corners(&self, hit: &Hit) -> [Point3; 3] {
+        self.corners[hit.face]
+    }
+
     /// The nearest point to `point`; of equally near faces the one with the lowest number.
     pub fn find(&self, point: Point3) -> Option<Hit> {
         let (centre, mut best) = (self.cell_of(point), None::<Hit>);

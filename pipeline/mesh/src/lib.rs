@@ -7,7 +7,7 @@
 //! | bodies of any shape | [`mesh_chosen`] with [`Method::General`] |
 //! | a body with inserts and cavities | [`mesh_assembly`], [`Measures`] |
 //! | columns over a triangulated plan | [`stack`] |
-//! | ten-node elements | [`quadratic`] |
+//! | ten-node elements | [`quadratic`]; on curved surfaces [`Curving`] |
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
 //! | material points on the skin, means over painted marks | [`embed`], [`embed_mark`] |
 //! | volumes and centroids of chambers | [`cavities`] |
@@ -39,6 +39,7 @@ mod choice;
 mod closing;
 mod columns;
 mod conforming;
+mod curving;
 mod distance;
 mod embed;
 pub mod foreign;
@@ -66,6 +67,7 @@ pub use cavities::{Cavity, cavities};
 pub use choice::{Chosen, ElementChoice, ElementName, mesh_assembly, mesh_chosen};
 pub(crate) use columns::mesh_in_hexahedra;
 pub use columns::{Grading, LayeredBody, MeshError, Settings, Slab, layers_in_hexahedra, mesh, mesh_without_sheet};
+pub use curving::Curving;
 pub use embed::{Spot, embed, embed_mark};
 pub(crate) use general::mesh_general;
 pub use measures::{Interface, Measures, RegionMeasures};

@@ -56,7 +56,7 @@ impl Meshed {
         elements: ElementChoice,
         order: &[NamedRegion],
     ) -> Result<Self> {
-        let mesh::Chosen { mut solid, report, not_hexahedra, not_columns } =
+        let mesh::Chosen { mut solid, report, not_hexahedra, not_columns, .. } =
             mesh::mesh_chosen(body, spine, settings, elements)?;
         let number = |name: &str| order.iter().position(|region| region.solid == name).unwrap_or(0) as u16;
         let region_numbers = [number(card::BODY), number(card::SPINE)];

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use diagnostics::Diagnostic;
-use mesh::{Chosen, Measures, Method, RegionMeasures};
+use mesh::{Chosen, Curving, Measures, Method, RegionMeasures};
 
 use super::options::MeshSurfaces;
 
@@ -37,6 +37,9 @@ impl fmt::Display for Measured<'_> {
         )?;
         writeln!(out, "method      {}", self.method_text())?;
         report.repairs.iter().try_for_each(|repair| writeln!(out, "repaired    {repair}"))?;
+        if let Some(Curving { curved, straight }) = self.chosen.curving {
+            writeln!(out, "middles     {curved} on curved surfaces, {straight} off them on straight edges")?;
+        }
         let [least, largest] = measures.dihedral_range_deg;
         let usual = measures.dihedral_quantile_deg;
         writeln!(out, "dihedral    {least:.2}° to {largest:.2}°; 99.9 % of the elements have {usual:.2}° and more")?;

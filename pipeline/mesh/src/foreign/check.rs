@@ -118,7 +118,7 @@ impl RawMesh {
             let longest = EDGES.iter().map(|&[a, b]| norm(sub(places[b], places[a]))).fold(0.0, f64::max);
             let ratio = volume / longest.powi(3);
             if ratio.is_nan() || ratio.abs() < FLATTEST {
-                return Err(MeshDefect::DegenerateElement { element, volume, ratio });
+                return Err(MeshDefect::DegenerateElement { element, at: places[0], volume, ratio });
             }
             if least <= 0.0 {
                 return Err(MeshDefect::InvertedElement { element, volume, least });

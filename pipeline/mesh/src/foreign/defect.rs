@@ -1,5 +1,6 @@
 //! Defects of a mesh that make a simulation impossible. Numbers of nodes and elements are those of the file.
 
+use crate::surface::place_text;
 use si::{CubicMetre, Metre, Point3};
 
 /// A defect of a mesh that could be read.
@@ -31,11 +32,13 @@ pub enum MeshDefect {
     },
     /// Four corners in one plane.
     #[error(
-        "element {element} is flat: its volume is {volume:.3e} m³, {ratio:.1e} of its longest edge cubed\n  why: the limit is 1e-7\n  do:  optimise the mesh, or mesh anew"
+        "element {element} at {} is flat: its volume is {volume:.3e} m³, {ratio:.1e} of its longest edge cubed\n  why: the limit is 1e-7\n  do:  optimise the mesh, or mesh anew", place_text(.at)
     )]
     DegenerateElement {
         /// Which element.
         element: u64,
+        /// A corner of it, m.
+        at: Point3,
         /// Its volume, m³.
         volume: CubicMetre,
         /// Volume over the cube of the longest edge.

@@ -4,6 +4,8 @@ use crate::cavities::GAUSS;
 use si::vec3::{add, cross, dot, scale};
 use si::{CubicMetre, Point3};
 
+const REFERENCE_CORNERS: [Point3; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
 /// Volume of an element, m³, and the least determinant (6 × volume when it is constant) at its points, m³.
 pub(super) fn volume_and_least(corners: &[Point3]) -> (CubicMetre, f64) {
     if corners.len() == 4 {
@@ -21,17 +23,37 @@ pub(super) fn volume_and_least(corners: &[Point3]) -> (CubicMetre, f64) {
             }
         }
     }
-    let corners_of = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    (volume, corners_of.into_iter().map(|at| jacobian_determinant(corners, at)).fold(least, f64::min))
+    (volume, REFERENCE_CORNERS.into_iter().map(|at| jacobian_determinant(corners, at)).fold(least, f64::min))
+}
+
+/// The least Bézier coefficient of the determinant of an element of ten nodes, m³: it is nowhere smaller.
+pub(crate) fn least_determinant(nodes: &[Point3; 10]) -> f64 {
+    // ∂x/∂ξ is linear in ξ: its values at the corners give it everywhere, and each coefficient is the mean of the
+    // determinants that take their columns from three corners in all orders
+    let at_corners = REFERENCE_CORNERS.map(|corner| derivatives(nodes, corner));
+    let mixed = |[i, j, k]: [usize; 3]| triple_product([at_corners[i][0], at_corners[j][1], at_corners[k][2]]);
+    let coefficient = |i: usize, j: usize, k: usize| {
+        [[i, j, k], [j, k, i], [k, i, j], [j, i, k], [i, k, j], [k, j, i]].map(mixed).iter().sum::<f64>() / 6.0
+    };
+    let triples = (0..4).flat_map(|i| (i..4).flat_map(move |j| (j..4).map(move |k| (i, j, k))));
+    triples.map(|(i, j, k)| coefficient(i, j, k)).fold(f64::INFINITY, f64::min)
 }
 
 /// det ∂x/∂ξ at ξ of the reference tetrahedron.
 fn jacobian_determinant(corners: &[Point3], point: Point3) -> f64 {
+    triple_product(derivatives(corners, point))
+}
+
+fn triple_product([a, b, c]: [Point3; 3]) -> f64 {
+    dot(cross(a, b), c)
+}
+
+/// ∂x/∂ξ, by the three coordinates of the reference tetrahedron.
+fn derivatives(corners: &[Point3], point: Point3) -> [Point3; 3] {
     let shape_gradients = shape_gradients(corners.len(), point);
-    let derivative_by = |k: usize| {
+    [0, 1, 2].map(|k| {
         shape_gradients.iter().zip(corners).fold([0.0; 3], |sum, (gradient, x)| add(sum, scale(*x, gradient[k])))
-    };
-    dot(cross(derivative_by(0), derivative_by(1)), derivative_by(2))
+    })
 }
 
 /// ∂N/∂ξ of each node: corners, then the middles of 01, 12, 02, 03, 13, 23.
@@ -45,4 +67,30 @@ fn shape_gradients(nodes: usize, [x, y, z]: Point3) -> Vec<Point3> {
     let middle =
         |[a, b]: [usize; 2]| add(scale(share_gradients[a], 4.0 * share[b]), scale(share_gradients[b], 4.0 * share[a]));
     (0..4).map(corner).chain(crate::quadratic::EDGES.into_iter().map(middle)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quadratic::EDGES;
+
+    /// The reference element, with its middles moved by what a number of their own says.
+    fn element(strength: f64) -> [Point3; 10] {
+        let middle = |[a, b]: [usize; 2]| scale(add(REFERENCE_CORNERS[a], REFERENCE_CORNERS[b]), 0.5);
+        let moved = |edge: usize| [0, 1, 2].map(|k| strength * ((7 * edge + 3 * k + 1) as f64).sin());
+        std::array::from_fn(|n| if n < 4 { REFERENCE_CORNERS[n] } else { add(middle(EDGES[n - 4]), moved(n)) })
+    }
+
+    #[test]
+    fn the_least_coefficient_is_below_every_sample_and_near_the_least() {
+        assert!((least_determinant(&element(0.0)) - 1.0).abs() < 1e-15);
+        for strength in [0.02, 0.05, 0.1] {
+            let nodes = element(strength);
+            let places =
+                (0..=20).flat_map(|i| (0..=20 - i).flat_map(move |j| (0..=20 - i - j).map(move |k| [i, j, k])));
+            let samples = places.map(|p| jacobian_determinant(&nodes, p.map(|i| f64::from(i) / 20.0)));
+            let (bound, least) = (least_determinant(&nodes), samples.fold(f64::INFINITY, f64::min));
+            assert!(bound <= least + 1e-12 && least - bound < 4.0 * strength, "{strength}: {bound} {least}");
+        }
+    }
 }

@@ -40,12 +40,14 @@ pub use defect::MeshDefect;
 pub use gmsh::gmsh;
 pub use hexahedra::HexahedralMesh;
 pub use hexahedral_chambers::HexahedralChamber;
+pub(crate) use jacobian::least_determinant;
 pub use medit::medit;
 pub use raw_mesh::{MeshFileError, RawMesh};
 pub use surfaces::{NamedSurface, surface};
 pub use tetgen::tetgen;
 pub use vtk::vtk;
 pub use vtu::vtu;
+pub(crate) use writers::interface_faces;
 pub use writers::{write_gmsh, write_medit};
 
 /// The draft in the `bytes` of a file, by the ending of its name; `nodes` are the bytes of TetGen's other file, which is named

@@ -59,8 +59,8 @@ fn six_nodes(nodes: &[u32]) -> [u32; 6] {
     std::array::from_fn(|k| nodes[k])
 }
 
-/// Faces between unlike regions, once each, with the regions in rising order.
-fn interface_faces(mesh: &QuadraticMesh) -> Vec<([u32; 6], [u16; 2])> {
+/// Faces between unlike regions, once each, normals out of the first, with the regions in rising order.
+pub(crate) fn interface_faces(mesh: &QuadraticMesh) -> Vec<([u32; 6], [u16; 2])> {
     let mut sides = Vec::new();
     // length: a mesh has a region for every element
     for (element, region) in mesh.regions.iter().enumerate() {
