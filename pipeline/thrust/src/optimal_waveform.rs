@@ -66,8 +66,8 @@ pub struct OptimalWaveform {
     pub square: Flap,
     /// The optimum.
     pub flap: Flap,
-    /// Value of the goal at each evaluation of the ascent, N or N s/m³.
-    pub values: Vec<f64>,
+    /// Value of the goal at each evaluation of the ascent, N or N s/m³; none where the reduced tail could not follow.
+    pub values: Vec<Option<f64>>,
 }
 
 impl Performed {

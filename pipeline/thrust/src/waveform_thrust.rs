@@ -87,8 +87,8 @@ pub struct Optimum {
     pub waveform: Waveform,
     /// Its performance.
     pub performance: Performance,
-    /// Value of the goal at every evaluation, in its unit.
-    pub values: Vec<f64>,
+    /// Value of the goal at every evaluation, in its unit; none where the reduced tail could not follow.
+    pub values: Vec<Option<f64>>,
 }
 
 /// A simulated motion.
@@ -235,7 +235,8 @@ impl WaveformModel<'_> {
         };
         let log = minimise(&mut Adam::new(&problem, &settings)?, &mut objective).map_err(|stop| stop.0)?;
         let best_waveform = waveform(&log.best.at);
-        let values = log.entries.iter().map(|entry| -entry.evaluation.loss).collect();
+        let losses = log.entries.iter().map(|entry| entry.evaluation.loss);
+        let values = losses.map(|loss| loss.is_finite().then_some(-loss)).collect();
         Ok(Optimum { performance: self.performance(&best_waveform)?, waveform: best_waveform, values })
     }
 

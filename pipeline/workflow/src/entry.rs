@@ -114,6 +114,8 @@ pub const fn stage<S: Stage>() -> Entry<UniverseOf<S>> {
             let needs = S::Needs::read(&subject, reader)?;
             let record = S::run(&S::Card::part_of(&subject), &settings.section(S::SECTION)?, needs, context)?;
             let files = record.to_files().map_err(pack_error)?;
+            // What its own reader refuses, as a number that is none, would else be found by a later stage, after hours.
+            S::Makes::from_files(&files).map_err(unreadable_error)?;
             Ok(Product { files, metrics: record.metrics(name), summary: record.summary() })
         },
     }
@@ -211,6 +213,11 @@ fn exhibit_reads(records: Vec<RecordId>) -> Reads {
 
 fn as_json(value: &impl Serialize) -> Result<Value> {
     Ok(serde_json::to_value(value)?)
+}
+
+fn unreadable_error(error: RecordError) -> Diagnostic {
+    let action = "report it: a stage made a number that is not finite, or a list that its record cannot hold";
+    Diagnostic::new("the record could not be read again and is not stored", &error, action).caused_by(error)
 }
 
 fn pack_error(error: RecordError) -> Diagnostic {

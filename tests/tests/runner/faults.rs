@@ -114,9 +114,9 @@ fn a_disk_that_takes_no_more_ends_a_run_and_harms_no_record() {
 }
 
 #[test]
-fn a_stage_that_fails_or_panics_while_nobody_reads_ends_the_run_and_releases_the_lock() {
+fn a_stage_that_fails_or_panics_or_makes_what_cannot_be_read_while_nobody_listens_ends_the_run_and_releases_the_lock() {
     let project = Project::new("unread");
-    for step in ["13", "14"] {
+    for step in ["13", "14", "15"] {
         let settings = SETTINGS.replace("[halved]\nstep = 1", &format!("[halved]\nstep = {step}"));
         let mut child = command(&project, "").env(ITS_SETTINGS, settings).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stderr.take());
