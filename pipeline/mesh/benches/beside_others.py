@@ -5,6 +5,7 @@ The tip is that of `study simulate` on each mesh in quadratic elements. `just be
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import resource
 import struct
@@ -166,7 +167,8 @@ def by_ftetwild(body: Body, folder: Path) -> Path:
     """As tetgen's."""
     points, faces = joined(body)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    nodes, tets = pytetwild.tetrahedralize(points, faces.astype(np.int32), edge_length_fac=body.edge / diagonal)[:2]
+    with contextlib.chdir(folder):  # where it writes a surface of its own
+        nodes, tets = pytetwild.tetrahedralize(points, faces.astype(np.int32), edge_length_fac=body.edge / diagonal)[:2]
     return tetrahedra_file((nodes, tets), folder / "ftetwild.vtu")
 
 

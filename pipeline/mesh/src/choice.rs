@@ -98,7 +98,7 @@ pub fn mesh_chosen(
 pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
     match set.method {
         Method::Columns => mesh_columns(assembly, set),
-        Method::General => mesh_general(assembly, set, watch),
+        Method::General => mesh_anything(assembly, set, watch),
         // the general method meshes whole bodies alone
         Method::Auto if set.use_symmetry => mesh_columns(assembly, set),
         // A limit closer than the columns' own: those of a round bellows were 0.53 % short of its volume and passed
@@ -110,11 +110,16 @@ pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) 
                 Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
                 Err(why) => {
                     watch("no columns: the general method");
-                    Ok(Chosen { not_columns: Some(why), ..mesh_general(assembly, set, watch)? })
+                    Ok(Chosen { not_columns: Some(why), ..mesh_anything(assembly, set, watch)? })
                 }
             }
         }
     }
+}
+
+fn mesh_anything(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
+    let (solid, report, curving) = mesh_general(assembly, set, watch)?;
+    Ok(Chosen { solid, report, curving: Some(curving), not_hexahedra: None, not_columns: None })
 }
 
 fn mesh_columns(assembly: &Assembly, set: &Settings) -> Result<Chosen, MeshError> {

@@ -5,11 +5,11 @@
 
 use crate::closing::{Repairs, closed_surface};
 use crate::columns::check_size;
-use crate::curving::curve_middles;
+use crate::curving::{Curving, curve_middles};
 use crate::foreign::RawMesh;
 use crate::quality::dihedral_quantile;
 use crate::validate::{self, Limits, Reference};
-use crate::{Assembly, Chosen, MeshError, Report, Settings, Solid, Surface, TetMesh, quadratic};
+use crate::{Assembly, MeshError, QuadraticMesh, Report, Settings, Solid, Surface, TetMesh, quadratic};
 use si::Metre;
 use tetrahedralize::tetrahedralize_watched;
 
@@ -40,7 +40,11 @@ struct Candidate {
 ///
 /// # Errors
 /// [`MeshError`], which names the part and the place; before anything is made, when that would take too much memory.
-pub(crate) fn mesh_general(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
+pub(crate) fn mesh_general(
+    assembly: &Assembly,
+    set: &Settings,
+    watch: &dyn Fn(&str),
+) -> Result<(QuadraticMesh, Report, Curving), MeshError> {
     let request = tetrahedralize::Settings::new(set.edge);
     let closed = ClosedParts::of_assembly(assembly, SEAM * request.envelope);
     let assembly = &closed.assembly();
@@ -53,9 +57,8 @@ pub(crate) fn mesh_general(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&
     let cavities: Vec<Surface> = assembly.cavities.iter().map(|cavity| turned_surface(cavity)).collect();
     let targets: Vec<&Surface> = assembly.solids().chain(&cavities).collect();
     // corners lie off a crease by the envelope at most; those of the last attempt's, which may be wider, by little more
-    let curving = Some(curve_middles(&mut solid, &targets, 2.0 * request.envelope));
-    let report = closed.with_repairs(chosen.report);
-    Ok(Chosen { solid, report, curving, not_hexahedra: None, not_columns: None })
+    let curving = curve_middles(&mut solid, &targets, 2.0 * request.envelope);
+    Ok((solid, closed.with_repairs(chosen.report), curving))
 }
 
 /// The first mesh that misses nothing, or the best of all attempts.
@@ -238,8 +241,7 @@ mod tests {
     #[test]
     fn a_box_with_a_cavity_is_filled_and_its_chamber_is_named() {
         let body = with_cavity(block([0.0; 3], [0.03, 0.02, 0.02]), [0.004; 3], [0.02, 0.016, 0.016]);
-        let Chosen { solid, report, .. } =
-            mesh_general(&Assembly::of_body(&body, None), &Settings::new(4e-3), &|_| ()).unwrap();
+        let (solid, report, _) = mesh_general(&Assembly::of_body(&body, None), &Settings::new(4e-3), &|_| ()).unwrap();
         assert_eq!(solid.into_corners().chambers(), 1);
         assert!((report.volume_body / report.volume_body_stl - 1.0).abs() < 1e-3);
         assert!(report.min_dihedral_deg > 5.0 && report.hausdorff_m < 2e-4);
@@ -251,7 +253,7 @@ mod tests {
         let body = with_cavity(block([0.0; 3], [0.03, 0.02, 0.02]), sheet[0], sheet[1]);
         let spine: Surface = block(sheet[0], sheet[1]);
         let set = Settings::new(4e-3);
-        let report = mesh_general(&Assembly::of_body(&body, Some(&spine)), &set, &|_| ()).unwrap().report;
+        let report = mesh_general(&Assembly::of_body(&body, Some(&spine)), &set, &|_| ()).unwrap().1;
         assert!((report.volume_spine / 9.6e-7 - 1.0).abs() < 1e-3);
         assert!((report.interface_area / 7.36e-4 - 1.0).abs() < 1e-3);
     }
