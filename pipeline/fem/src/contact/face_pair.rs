@@ -14,9 +14,9 @@ pub(crate) struct FacePair<'a> {
 }
 
 impl FacePair<'_> {
-    /// Whether two samples are closer than `range`.
-    pub(crate) fn touch(&self, range: Metre) -> bool {
-        self.visit_point_pairs(range, |_, _, _, _| ControlFlow::Break(())).is_break()
+    /// Breaks off at the first two samples that are closer than `range`.
+    pub(crate) fn first_contact(&self, range: Metre) -> ControlFlow<()> {
+        self.visit_point_pairs(range, |_, _, _, _| ControlFlow::Break(()))
     }
 
     /// Calls `visit` with the indices of two samples closer than `range`, the vector from the second to the first, and its length.

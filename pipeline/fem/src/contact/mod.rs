@@ -23,7 +23,7 @@ use crate::loads::Load;
 use crate::mesh::Mesh;
 use boxes::{Box3, ClosePair, close_pairs};
 use face_pair::{Blocks, FacePair};
-use hull::Hull;
+use hull::Hulls;
 use law::RepulsiveLaw;
 use nalgebra::{Matrix3, Vector3};
 use si::{Joule, Metre, Pascal};
@@ -70,8 +70,8 @@ impl SelfContact {
     /// Between the faces of `surface` that are apart at rest.
     fn between(surface: Surface, law: RepulsiveLaw, half: bool) -> Self {
         let mut new = Self { law, surface, excluded: BTreeSet::new(), half };
-        let boxes_at_rest = new.surface.boxes(&new.surface.undisplaced());
-        new.excluded = new.close_face_pairs(&boxes_at_rest, APART * law.range).into_iter().collect();
+        let at_rest = new.surface.hulls(&new.surface.undisplaced(), false);
+        new.excluded = new.close_face_pairs(&at_rest, APART * law.range).into_iter().collect();
         new
     }
 
@@ -82,9 +82,8 @@ impl SelfContact {
 
     /// The faces that are within `reach` of one that they may meet, at `u`.
     pub(crate) fn faces_within(&self, u: &[f64], reach: Metre) -> BTreeSet<u32> {
-        let pairs = self.close_face_pairs(&self.surface.boxes(u), reach);
-        let near = pairs.iter().filter(|pair| hull::hull_gap(&self.face_hulls(pair, u)) < reach);
-        near.flat_map(|pair| pair.faces().map(|(face, _)| face)).collect()
+        let pairs = self.near_face_pairs(u, reach);
+        pairs.iter().flat_map(|pair| pair.faces().map(|(face, _)| face)).collect()
     }
 
     /// The nodes of its faces.
@@ -93,9 +92,18 @@ impl SelfContact {
     }
 
     /// Pairs of faces whose boxes are closer than `reach` and that repel each other.
-    fn close_face_pairs(&self, boxes: &[Box3], reach: Metre) -> Vec<ClosePair> {
-        let mut pairs = close_pairs(boxes, reach, self.half);
+    fn close_face_pairs(&self, hulls: &Hulls, reach: Metre) -> Vec<ClosePair> {
+        let boxes: Vec<Box3> = hulls[0].iter().map(|hull| Box3::around(hull)).collect();
+        let mut pairs = close_pairs(&boxes, reach, self.half);
         pairs.retain(|pair| !self.excluded.contains(pair));
+        pairs
+    }
+
+    /// Those whose hulls are closer than `reach` at `u`.
+    fn near_face_pairs(&self, u: &[f64], reach: Metre) -> Vec<ClosePair> {
+        let hulls = self.surface.hulls(u, self.half);
+        let mut pairs = self.close_face_pairs(&hulls, reach);
+        pairs.retain(|pair| hull::hull_gap(hull::of_pair(&hulls, pair)) < reach);
         pairs
     }
 
@@ -119,10 +127,8 @@ impl SelfContact {
         reach: Metre,
         mut visit: impl FnMut(&FacePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let mut pairs = self.close_face_pairs(&self.surface.boxes(u), reach);
-        pairs.retain(|pair| hull::hull_gap(&self.face_hulls(pair, u)) < reach);
         let mut samples: BTreeMap<(u32, bool), Samples> = BTreeMap::new();
-        for pair in pairs {
+        for pair in self.near_face_pairs(u, reach) {
             let faces = pair.faces();
             for (face, mirrored) in faces {
                 samples.entry((face, mirrored)).or_insert_with(|| self.surface.samples(face, u, mirrored));
@@ -132,24 +138,22 @@ impl SelfContact {
         ControlFlow::Continue(())
     }
 
-    /// The hulls of two faces at `u`.
-    fn face_hulls(&self, pair: &ClosePair, u: &[f64]) -> [Hull; 2] {
-        pair.faces().map(|(face, mirrored)| self.surface.hull(face, u, mirrored))
-    }
-
     /// `strength` W(u), J; adds its gradient (3 entries per node, N) to `gradient`.
     pub(crate) fn add_energy(&self, u: &[f64], strength: f64, gradient: &mut [f64]) -> Joule {
         let mut total = 0.0;
         self.for_each_face_pair(u, self.law.range, |faces| {
-            let mut forces = faces.samples.map(|samples| vec![Vector3::zeros(); samples.positions.len()]);
+            // most faces whose hulls are near each other have no samples that are: they get no forces
+            let mut forces: Option<[Vec<Vector3<f64>>; 2]> = None;
             let area = strength * self.sample_area_product(faces);
             faces.for_each_point_pair(self.law.range, |i, j, apart, distance| {
                 total += area * self.law.value(distance);
                 let force = apart * (area * self.law.slope(distance) / distance);
-                forces[0][i] += force;
-                forces[1][j] -= force;
+                let unloaded = || faces.samples.map(|samples| vec![Vector3::zeros(); samples.positions.len()]);
+                let [first, second] = forces.get_or_insert_with(unloaded);
+                first[i] += force;
+                second[j] -= force;
             });
-            for ((face, mirrored), forces) in faces.pair.faces().into_iter().zip(&forces) {
+            for ((face, mirrored), forces) in faces.pair.faces().into_iter().zip(forces.iter().flatten()) {
                 self.surface.add_forces(face, mirrored, forces, gradient);
             }
         });
@@ -158,12 +162,7 @@ impl SelfContact {
 
     /// Whether walls are within the range of each other at `u`.
     pub(crate) fn touch(&self, u: &[f64]) -> bool {
-        let range = self.law.range;
-        let touches = |faces: &FacePair| match faces.touch(range) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        };
-        self.visit_face_pairs(u, range, touches).is_break()
+        self.visit_face_pairs(u, self.law.range, |faces| faces.first_contact(self.law.range)).is_break()
     }
 
     /// Product of the areas of two samples, m⁴.
@@ -182,7 +181,7 @@ impl SelfContact {
         add: &mut dyn FnMut(u32, u32, &Matrix3<f64>),
     ) {
         self.for_each_face_pair(u, self.law.range, |faces| {
-            if !faces.touch(self.law.range) {
+            if faces.first_contact(self.law.range).is_continue() {
                 return;
             }
             let nodes = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
@@ -213,7 +212,7 @@ impl SelfContact {
         self.for_each_face_pair(u, reach, |faces| {
             let [first, second] = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
             let each = first.iter().flat_map(|&a| second.iter().map(move |&b| (a.min(b), a.max(b))));
-            let is_near = faces.touch(reach);
+            let is_near = faces.first_contact(reach).is_break();
             node_pairs.extend(each.filter(|(a, b)| is_near && a != b));
         });
         node_pairs
@@ -226,12 +225,13 @@ impl SelfContact {
         let largest = step.iter().fold(0.0, |greatest: f64, entry| greatest.max(entry.abs()));
         // Two nodes approach each other by at most 2√3 = 3.5 times the largest entry of a step.
         let reach = (4.0 * largest).min(REACH * self.law.range);
-        for pair in self.close_face_pairs(&self.surface.boxes(u), reach) {
-            let hulls = [u, &end].map(|at| self.face_hulls(&pair, at));
-            if !hull::stay_apart(&hulls) {
+        let hulls = [u, &end].map(|u| self.surface.hulls(u, self.half));
+        for pair in self.close_face_pairs(&hulls[0], reach) {
+            let hulls = [0, 1].map(|time: usize| hull::of_pair(&hulls[time], &pair));
+            if !hull::stay_apart(hulls) {
                 // points farther apart than this allow the part that others have left
-                let reach = part * hull::relative_motion(&hulls) / APPROACH;
-                if hull::hull_gap(&hulls[0]) < reach {
+                let reach = part * hull::relative_motion(hulls) / APPROACH;
+                if hull::hull_gap(hulls[0]) < reach {
                     part = part.min(self.admissible_part_of_points(&pair, [u, &end], reach));
                 }
             }

@@ -1,7 +1,7 @@
 //! The walls of chambers as faces with samples: points at the middles of small triangles or quadrilaterals of equal area.
 
 use super::boxes::Box3;
-use super::hull::Hull;
+use super::hull::{Hull, Hulls};
 use crate::assembly::shape_functions::{TRIANGLE_IN_FACE, face as shape_functions, is_triangle, triangle_in_face};
 use crate::mesh::{Faces, Mesh};
 use nalgebra::Vector3;
@@ -103,13 +103,14 @@ impl Surface {
         Samples { bounds: Box3::around(&positions), positions }
     }
 
-    /// A box around every face at displacement `u`.
-    pub(crate) fn boxes(&self, u: &[f64]) -> Vec<Box3> {
-        (0..self.faces.len() as u32).map(|face| Box3::around(&self.hull(face, u, false))).collect()
+    /// The hulls of all faces at displacement `u`, and those of their mirror images where walls may meet them.
+    pub(crate) fn hulls(&self, u: &[f64], half: bool) -> Hulls {
+        let of_all = |mirrored: bool| (0..self.faces.len() as u32).map(|face| self.hull(face, u, mirrored)).collect();
+        [of_all(false), if half { of_all(true) } else { Vec::new() }]
     }
 
     /// Control points of a face at displacement `u`, or their mirror images: the face lies inside their convex hull.
-    pub(crate) fn hull(&self, face: u32, u: &[f64], mirrored: bool) -> Hull {
+    fn hull(&self, face: u32, u: &[f64], mirrored: bool) -> Hull {
         let nodes = self.nodes(face);
         let position = |node: u32| mirror_point(self.node_position(node, u), mirrored);
         control_points(match is_triangle(nodes) {

@@ -6,14 +6,22 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector, Matrix3, OMatrix};
 
-use super::acting::ActingRegion;
 use crate::assembly::elastic::Elastic;
 use materials::material::{Moduli, Tangent};
-use materials::symmetric::full_tensor;
+use materials::symmetric::{Symmetric, full_tensor};
 use materials::tangent::{PointState, TangentKind};
 
 /// G, 9 × r: derivative of F by each coordinate, columns of F one below the other.
 pub(super) type ModeGradient = OMatrix<f64, nalgebra::U9, nalgebra::Dyn>;
+
+/// What acts at the points of one region in one step.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ActingRegion {
+    /// Those of the law, with damping and relaxation.
+    pub moduli: Moduli,
+    /// H of each point, Pa; empty: none.
+    pub held: Vec<Symmetric>,
+}
 
 /// Kind of tangent (see `assembly::tangent`).
 #[derive(Debug, Clone, Copy)]

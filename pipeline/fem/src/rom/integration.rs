@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use nalgebra::DVector;
 use si::Second;
 
-use super::acting::ActingRegion;
+use super::elastic_forces::ActingRegion;
 use super::error::ReducedError;
 use super::model::ReducedModel;
 use super::motion::{Actuation, ReducedMotion};

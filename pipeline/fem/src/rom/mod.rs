@@ -6,7 +6,6 @@
 //! (`ecsw`). The mass is projected, and the volumes of chambers are cubic polynomials of q (`chamber_volume`).
 //! In statics walls may repel each other (`contact`); in motions they pass through each other.
 
-mod acting;
 mod arrays;
 mod chamber_volume;
 mod contact;

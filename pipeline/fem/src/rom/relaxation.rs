@@ -5,8 +5,7 @@
 use nalgebra::{DMatrix, DVector};
 use si::Second;
 
-use super::acting::ActingRegion;
-use super::elastic_forces::{Points, ReducedTangent};
+use super::elastic_forces::{ActingRegion, Points, ReducedTangent};
 use super::error::ReducedError;
 use super::model::ReducedModel;
 use super::motion::ReducedMotion;

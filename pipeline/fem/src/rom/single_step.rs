@@ -8,8 +8,7 @@
 use nalgebra::DVector;
 use si::Pascal;
 
-use super::acting::ActingRegion;
-use super::elastic_forces::ReducedTangent;
+use super::elastic_forces::{ActingRegion, ReducedTangent};
 use super::error::ReducedError;
 use super::model::ReducedModel;
 use super::step::{NoForce, Step, no_convergence};

@@ -9,10 +9,9 @@ use materials::material::Moduli;
 use nalgebra::{Cholesky, DVector, Dyn};
 use si::Pascal;
 
-use super::acting::ActingRegion;
 use super::chamber_volume::CubicVolume;
 use super::contact::ReducedContact;
-use super::elastic_forces::ReducedTangent;
+use super::elastic_forces::{ActingRegion, ReducedTangent};
 use super::error::ReducedError;
 use super::model::ReducedModel;
 use super::step::{NoForce, Step, no_convergence};

@@ -4,9 +4,8 @@
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use si::{Hertz, Pascal, Second};
 
-use super::acting::ActingRegion;
 use super::contact::ReducedContact;
-use super::elastic_forces::ReducedTangent;
+use super::elastic_forces::{ActingRegion, ReducedTangent};
 use super::error::ReducedError;
 use super::model::ReducedModel;
 use crate::dynamics::settings::DynamicSettings;
