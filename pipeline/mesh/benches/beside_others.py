@@ -34,6 +34,8 @@ STUDY = Path(sys.argv[1])
 PRESSURE, MODULUS, RATIO = 2e3, 1e5, 0.45
 #: Angle between triangles from which gmsh takes their edge for one of the body, rad.
 CREASE = 0.7
+#: Length of gmsh's edges over ours: it has one element through a wall of that length, where ours are sized by the wall.
+GMSH_EDGE = 0.4
 
 
 @dataclass
@@ -140,8 +142,8 @@ def by_gmsh(body: Body, folder: Path) -> Path:
     loops = [gmsh.model.geo.addSurfaceLoop(part) for part in (skin, [tag for tag in surfaces if tag not in skin])]
     gmsh.model.geo.addVolume(loops)
     gmsh.model.geo.synchronize()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 1e3 * body.edge)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", 0.5e3 * body.edge)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 1e3 * GMSH_EDGE * body.edge)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 0.5e3 * GMSH_EDGE * body.edge)
     gmsh.option.setNumber("Mesh.Optimize", 1)
     gmsh.model.mesh.generate(3)
     # of curved elements of the triangles' parametrisation some are inverted
