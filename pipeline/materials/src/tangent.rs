@@ -118,8 +118,7 @@ fn positive_part(tangent: Tangent) -> Tangent {
     eigen.eigenvectors * Tangent::from_diagonal(&positive) * eigen.eigenvectors.transpose()
 }
 
-/// Whether all eigenvalues lie above the rounding of the largest. Most tangents of a body at work are positive, and a factorisation says so for
-/// far less than eigenvectors cost.
+/// Whether all eigenvalues lie above the rounding of the largest: a factorisation says so for less than eigenvectors cost.
 fn is_clearly_positive(tangent: &Tangent) -> bool {
     let margin = 1e-12 * tangent.trace();
     margin > 0.0 && (tangent - Tangent::identity() * margin).cholesky().is_some()

@@ -75,8 +75,8 @@ pub fn mesh_chosen(
         ElementChoice::HexahedraWherePossible(grading) | ElementChoice::Hexahedra(grading) => {
             match mesh_in_hexahedra(body, spine, set, &grading) {
                 Ok((solid, report)) => {
-                    let [not_hexahedra, not_columns] = [None, None];
-                    return Ok(Chosen { solid, report, curving: None, not_hexahedra, not_columns });
+                    let (curving, not_hexahedra, not_columns) = (None, None, None);
+                    return Ok(Chosen { solid, report, curving, not_hexahedra, not_columns });
                 }
                 Err(why) => Some(why),
             }
@@ -105,7 +105,7 @@ pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) 
         // theirs of 2 %.
         Method::Auto => {
             match mesh_columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
-                Ok(made) => Ok(made),
+                Ok(chosen) => Ok(chosen),
                 // the general method would take as much
                 Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
                 Err(why) => {

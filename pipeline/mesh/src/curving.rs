@@ -50,8 +50,8 @@ pub(crate) fn curve_middles(solid: &mut QuadraticMesh, surfaces: &[&Surface], to
             None => curving.straight += 1,
         }
     }
-    let returned = straighten_folded(solid, &chord_middles);
-    Curving { curved: curving.curved - returned, straight: curving.straight + returned }
+    let straightened = straighten_folded(solid, &chord_middles);
+    Curving { curved: curving.curved - straightened, straight: curving.straight + straightened }
 }
 
 /// An edge between faces of the boundary.
@@ -111,36 +111,37 @@ impl Target {
         let on_crease = |end: Point3| self.creases.find(end).is_some_and(|hit| hit.distance <= self.tolerance);
         let nearest =
             if edge.is_turned() && edge.ends.into_iter().all(on_crease) { &self.creases } else { &self.faces };
-        let hit = nearest.find(chord_middle).filter(|hit| hit.distance <= REACH * edge.length())?;
+        let nearest_point = nearest.find(chord_middle).filter(|hit| hit.distance <= REACH * edge.length())?;
         let mean = edge.normals.iter().fold([0.0; 3], |sum, normal| add(sum, *normal));
-        let [a, b, c] = nearest.corners(&hit);
+        let [a, b, c] = nearest.corners(&nearest_point);
         let normal = cross(sub(b, a), sub(c, a));
         // a crease has no normal, and nothing to look the same way
         let same_way = dot(normal, mean) >= SAME_WAY * norm(normal) * norm(mean);
-        same_way.then(|| [0, 1, 2].map(|k| hit.shares[0] * a[k] + hit.shares[1] * b[k] + hit.shares[2] * c[k]))
+        let [share_a, share_b, share_c] = nearest_point.shares;
+        same_way.then(|| [0, 1, 2].map(|k| share_a * a[k] + share_b * b[k] + share_c * c[k]))
     }
 }
 
 /// Puts middles back onto their chords until no determinant is too small, and says how many.
 fn straighten_folded(solid: &mut QuadraticMesh, chord_middles: &[Point3]) -> usize {
     let QuadraticElements::Tetrahedra(tets) = &solid.elements else { return 0 };
-    let (nodes, mut returned) = (&mut solid.nodes, 0);
-    let moved = |nodes: &[Point3], node: u32| norm(sub(nodes[node as usize], chord_middles[node as usize]));
+    let (nodes, mut straightened) = (&mut solid.nodes, 0);
+    let displacement = |nodes: &[Point3], node: u32| norm(sub(nodes[node as usize], chord_middles[node as usize]));
     loop {
-        let before = returned;
+        let straightened_before = straightened;
         for tet in tets {
-            let farthest = tet[4..].iter().max_by(|a, b| moved(nodes, **a).total_cmp(&moved(nodes, **b)));
+            let farthest = tet[4..].iter().max_by(|a, b| displacement(nodes, **a).total_cmp(&displacement(nodes, **b)));
             // A middle that goes back can uncover a fold in a neighbour, whose other middles leaned the same way: it is
             // seen in the next round.
-            if let Some(&middle) = farthest.filter(|middle| moved(nodes, **middle) > 0.0)
+            if let Some(&middle) = farthest.filter(|middle| displacement(nodes, **middle) > 0.0)
                 && is_folded(&tet.map(|node| nodes[node as usize]))
             {
                 nodes[middle as usize] = chord_middles[middle as usize];
-                returned += 1;
+                straightened += 1;
             }
         }
-        if returned == before {
-            return returned;
+        if straightened == straightened_before {
+            return straightened;
         }
     }
 }
@@ -214,8 +215,8 @@ mod tests {
         for face in &mesh.skin {
             let corners: Vec<Point3> = face.nodes().iter().map(|n| mesh.nodes[*n as usize]).collect();
             let place = |i: u32, j: u32| {
-                let at = [f64::from(i) / f64::from(PARTS), f64::from(j) / f64::from(PARTS)];
-                let shape = crate::quadratic_face::shape_functions(6, at);
+                let shares = [i, j].map(|k| f64::from(k) / f64::from(PARTS));
+                let shape = crate::quadratic_face::shape_functions(6, shares);
                 shape.iter().zip(&corners).fold([0.0; 3], |sum, (n, x)| add(sum, scale(*x, *n)))
             };
             let cone = |[a, b, c]: [Point3; 3]| dot(a, cross(b, c)) / 6.0;

@@ -193,12 +193,12 @@ impl Surface {
     /// The ends of edges whose faces' normals have an angle of this cosine or a lower one, or that do not join two faces.
     pub(crate) fn creases(&self, cosine: f64) -> Vec<[Point3; 2]> {
         let edges = self.directed_edges();
-        let turned = |[a, b]: [u32; 2]| {
+        let is_crease = |[a, b]: [u32; 2]| {
             let (p, q) = (self.normal(a as usize), self.normal(b as usize));
             dot(p, q) <= cosine * norm(p) * norm(q)
         };
         let groups = edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
-        let creases = groups.filter(|g| g.len() != 2 || turned([g[0].2, g[1].2]));
+        let creases = groups.filter(|g| g.len() != 2 || is_crease([g[0].2, g[1].2]));
         creases.map(|g| [g[0].0, g[0].1].map(|p| self.points[p as usize])).collect()
     }
 

@@ -23,7 +23,7 @@ pub(super) fn volume_and_least(corners: &[Point3]) -> (CubicMetre, f64) {
             }
         }
     }
-    (volume, REFERENCE_CORNERS.into_iter().map(|at| jacobian_determinant(corners, at)).fold(least, f64::min))
+    (volume, REFERENCE_CORNERS.into_iter().map(|corner| jacobian_determinant(corners, corner)).fold(least, f64::min))
 }
 
 /// The least Bézier coefficient of the determinant of an element of ten nodes, m³: it is nowhere smaller.
@@ -77,8 +77,8 @@ mod tests {
     /// The reference element, with its middles moved by what a number of their own says.
     fn element(strength: f64) -> [Point3; 10] {
         let middle = |[a, b]: [usize; 2]| scale(add(REFERENCE_CORNERS[a], REFERENCE_CORNERS[b]), 0.5);
-        let moved = |edge: usize| [0, 1, 2].map(|k| strength * ((7 * edge + 3 * k + 1) as f64).sin());
-        std::array::from_fn(|n| if n < 4 { REFERENCE_CORNERS[n] } else { add(middle(EDGES[n - 4]), moved(n)) })
+        let offset = |edge: usize| [0, 1, 2].map(|k| strength * ((7 * edge + 3 * k + 1) as f64).sin());
+        std::array::from_fn(|n| if n < 4 { REFERENCE_CORNERS[n] } else { add(middle(EDGES[n - 4]), offset(n)) })
     }
 
     #[test]
