@@ -124,13 +124,19 @@ impl Complex {
 
     /// The faces between unlike labels around a node, each once, normal out of the lower label.
     pub(crate) fn skin_faces(&self, node: u32) -> Vec<[u32; 3]> {
+        self.labelled_faces(node).into_iter().map(|(face, _)| face).collect()
+    }
+
+    /// The same with the labels.
+    pub(crate) fn labelled_faces(&self, node: u32) -> Vec<LabelledFace> {
         let mut faces = Vec::new();
         for tet in self.star(node) {
             let nodes = self.tets[*tet as usize];
             let label = self.labels[*tet as usize];
             for side in SIDES.iter().map(|s| s.map(|i| nodes[i])).filter(|s| s.contains(&node)) {
-                if label < self.label_behind(*tet, side) {
-                    faces.push(side);
+                let behind = self.label_behind(*tet, side);
+                if label < behind {
+                    faces.push((side, [label, behind]));
                 }
             }
         }

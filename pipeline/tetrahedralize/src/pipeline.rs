@@ -1,6 +1,7 @@
 //! From surfaces to tetrahedra: the order of the steps.
 
 use si::Point3;
+use si::vec3::norm;
 
 use crate::complex::{Complex, OUTSIDE};
 use crate::delaunay::Delaunay;
@@ -11,19 +12,24 @@ use crate::insertion::insert_triangle;
 use crate::labels::{Space, label_all};
 use crate::lattice::{SizeField, graded_lattice};
 use crate::orient::{orient_part, without_degenerate};
-use crate::remesh::{Remesh, Sizing};
-use crate::topology::clean_labels;
+use crate::remesh::{Remesh, Sizing, Solid};
+use crate::shared_faces::{OwnFaces, part_shared};
+use crate::topology::{Speck, clean_labels};
 use crate::tree::Tree;
-use crate::{Part, Refusal, Repair, Settings, Tetrahedra};
+use crate::{Fill, Part, Refusal, Repair, Settings, Tetrahedra};
 
 /// Distances are sampled: what is held to this share of the envelope keeps to it in between.
 const MARGIN: f64 = 0.8;
 /// Share of the envelope that the remeshed surface may use; what is left is for the tetrahedra's own changes of it.
 const SHARE: f64 = 0.6;
+/// Faces of two parts are one where they are nearer than this share of the envelope.
+const SHARED: f64 = 0.25;
 /// A node lies on a triangle's plane when it is nearer than this share of the distance allowed there.
 const ON_PLANE: f64 = 0.05;
 /// Parts of less than the cube of this share of an edge are splinters, not chambers.
 const SPECK: f64 = 0.05;
+/// So are those thinner than this share of the envelope.
+const THIN: f64 = 0.5;
 /// Volume of a regular tetrahedron, and area of an equilateral triangle, over powers of their edge.
 const TETRAHEDRON: f64 = 0.117_85;
 const TRIANGLE: f64 = 0.433;
@@ -70,7 +76,7 @@ pub fn tetrahedralize_watched(parts: &[Part], set: &Settings, watch: &dyn Fn(&st
     let field = SizeField { tree: &tree, size: &size, gradation: set.gradation, edge: set.edge };
     let mut complex = conforming_complex(&skin, &field, &space);
     label_all(&mut complex, &space);
-    clean_labels(&mut complex, (SPECK * set.edge).powi(3));
+    clean_labels(&mut complex, Speck { volume: (SPECK * set.edge).powi(3), thickness: THIN * set.envelope });
     complex.remove_label(OUTSIDE);
     if complex.living_tets().next().is_none() {
         return Err(Refusal::Nothing { at: triangles[0][0] });
@@ -128,20 +134,27 @@ fn remesh_parts(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, S
         aspect: set.aspect,
         gradation: set.gradation,
         slack: SHARE * set.envelope,
+        solid: Solid::Below,
         walls: envelope,
     };
     let mut skin = Skin::default();
     let mut surfaces = Vec::new();
-    for part in parts {
-        let envelope = Envelope::new(&part.triangles(), set.edge);
-        let mut surface = Remesh::new((part.points.clone(), part.faces.clone()), &envelope, 0.4 * set.edge);
-        surface.remesh_surface(&sizing);
+    let own_faces = part_shared(parts, SHARED * set.envelope, set.edge);
+    for (number, (OwnFaces { part, shared }, whole)) in own_faces.into_iter().zip(parts).enumerate() {
+        let envelope = Envelope::new(&whole.triangles(), set.edge);
+        let mut surface = Remesh::new((part.points, part.faces), &envelope, 0.4 * set.edge);
+        let solid = match (number, part.fill) {
+            (_, Fill::Void) => Solid::Above,
+            (0, _) => Solid::Below,
+            _ => Solid::Both,
+        };
+        surface.remesh_surface(&Sizing { solid, ..sizing.clone() });
         let (points, faces, size, slack) = surface.finish_surface();
         let (lines, corners) = surface.features();
         skin.lines.extend(lines);
         skin.corners.extend(corners);
         let places: Vec<[Point3; 3]> = faces.iter().map(|f| f.map(|n| points[n as usize])).collect();
-        surfaces.push((Tree::new(&places), part.fill));
+        surfaces.push((Tree::new(&[places, shared].concat()), part.fill));
         let first = skin.points.len() as u32;
         skin.points.extend(points);
         skin.faces.extend(faces.into_iter().map(|f| f.map(|n| n + first)));
@@ -160,10 +173,15 @@ fn conforming_complex(skin: &Skin, field: &SizeField, space: &Space) -> Complex 
     let tets = delaunay.living_tetrahedra();
     let labels = vec![0; tets.len()];
     let mut complex = Complex::new(delaunay.points, tets, labels);
+    // The largest first: a triangle's plane cuts tetrahedra beyond it as well, up to what is there already. Holes in a sheet cut what is above the
+    // sheet into flat tetrahedra when they come before its faces.
+    let area = |face: &[u32; 3]| norm(normal(face.map(|n| skin.points[n as usize])));
+    let mut faces = skin.faces.clone();
+    faces.sort_by(|a, b| area(b).total_cmp(&area(a)));
     // a second time for triangles whose splits were refused: others have changed the tetrahedra since
     for _ in 0..2 {
         let mut failed = 0;
-        for face in &skin.faces {
+        for face in &faces {
             let tolerance = ON_PLANE * face.iter().map(|n| skin.slack[*n as usize]).fold(f64::INFINITY, f64::min);
             let nodes = face.map(|n| numbers[n as usize]);
             let [a, b, c] = nodes;

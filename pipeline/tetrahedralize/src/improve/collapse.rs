@@ -1,6 +1,10 @@
 //! Collapses: of short edges for the target length, of any edge of a poor element for quality.
 
+use std::collections::BTreeSet;
+
 use super::{Improve, POOR};
+use crate::complex::LabelledFace;
+use crate::delaunay::sorted_edge;
 use crate::geometry::{distortion, orientation};
 use crate::insertion::EDGES;
 use crate::remesh::{Kind, LONG, SHORT};
@@ -45,7 +49,7 @@ impl Improve<'_> {
     /// Moves the first node of an edge onto the second; elements may get as poor as `limit`, or as the worst before.
     pub(super) fn collapse_edge(&mut self, [gone, kept]: [u32; 2], limit: f64) -> bool {
         let ring = self.complex.edge_ring([gone, kept]);
-        if ring.is_empty() || !self.link_holds([gone, kept], &ring) {
+        if ring.is_empty() {
             return false;
         }
         let star = self.complex.star(gone).to_vec();
@@ -60,7 +64,10 @@ impl Improve<'_> {
         let long = neighbours
             .iter()
             .any(|n| *n != kept && self.length_ratio([*n, kept]) > LONG.max(self.length_ratio([*n, gone])));
-        if new.is_empty() || (limit > 0.0 && long) || !self.skin_follows(gone, kept) {
+        if new.is_empty() || (limit > 0.0 && long) {
+            return false;
+        }
+        if !self.link_holds([gone, kept], &ring) || !self.skin_follows(gone, kept) {
             return false;
         }
         self.complex.replace_tets(&star, &new);
@@ -82,14 +89,35 @@ impl Improve<'_> {
             && flat.iter().all(|(nodes, _)| orientation(self.complex.positions_of(*nodes)) > 0.0)
     }
 
-    /// Nodes joined to both ends are those of the ring; on the skin, those of the faces at the edge.
+    /// Nodes and edges joined to both ends are those of the ring [dey1999]; on the skin, those of the faces at the edge.
     fn link_holds(&self, [gone, kept]: [u32; 2], ring: &[u32]) -> bool {
         let neighbours = self.neighbours_of(kept);
         let shared = self.neighbours_of(gone).into_iter().filter(|n| neighbours.binary_search(n).is_ok()).count();
         let mut link: Vec<u32> = ring.iter().flat_map(|t| self.complex.tets[*t as usize]).collect();
         link.sort_unstable();
         link.dedup();
-        shared + 2 == link.len()
+        shared + 2 == link.len() && {
+            let ring_edges = self.opposite_edges(ring, [gone, kept]);
+            let apart = |node: u32| {
+                let tets: Vec<u32> = self.complex.star(node).iter().copied().filter(|t| !ring.contains(t)).collect();
+                self.opposite_edges(&tets, [node; 2])
+            };
+            let (gone_edges, kept_edges) = (apart(gone), apart(kept));
+            let mut common = gone_edges.iter().filter(|edge| kept_edges.binary_search(edge).is_ok());
+            common.all(|edge| ring_edges.binary_search(edge).is_ok())
+        }
+    }
+
+    /// The edges of tetrahedra with neither of two nodes at an end, sorted.
+    fn opposite_edges(&self, tets: &[u32], ends: [u32; 2]) -> Vec<[u32; 2]> {
+        let edges = tets
+            .iter()
+            .map(|t| self.complex.tets[*t as usize])
+            .flat_map(|nodes| EDGES.map(|[i, j]| sorted_edge([nodes[i], nodes[j]])));
+        let mut opposite: Vec<[u32; 2]> = edges.filter(|edge| !edge.iter().any(|n| ends.contains(n))).collect();
+        opposite.sort_unstable();
+        opposite.dedup();
+        opposite
     }
 
     /// Whether the faces between unlike labels allow the collapse.
@@ -113,19 +141,31 @@ impl Improve<'_> {
         if wings == 0 || !allowed {
             return false;
         }
-        let link_of = |skin: &[[u32; 3]], node: u32| {
-            let mut link: Vec<u32> = skin.iter().flatten().copied().filter(|n| *n != node).collect();
-            link.sort_unstable();
-            link.dedup();
-            link
-        };
-        let kept_link = link_of(&self.complex.skin_faces(kept), kept);
-        if link_of(&skin, gone).iter().filter(|n| kept_link.contains(n)).count() != wings {
+        if !self.boundaries_follow(gone, kept) {
             return false;
         }
         skin.iter().filter(|f| !f.contains(&kept)).all(|face| {
             let new = face.map(|n| if n == gone { kept } else { n });
             self.may_become(self.complex.positions_of(*face), self.complex.positions_of(new), reach)
+        })
+    }
+
+    /// Whether the boundary of each label around two nodes keeps its topology when one moves onto the other.
+    // Each boundary of its own: where three labels meet, a face between two of them hides an edge that the third one has on both sides of it.
+    fn boundaries_follow(&self, gone: u32, kept: u32) -> bool {
+        let (gone_faces, kept_faces) = (self.complex.labelled_faces(gone), self.complex.labelled_faces(kept));
+        let mut labels: Vec<u16> = gone_faces.iter().flat_map(|(_, labels)| *labels).collect();
+        labels.sort_unstable();
+        labels.dedup();
+        let link_of = |faces: &[LabelledFace], label: u16, node: u32| -> BTreeSet<u32> {
+            let boundary = faces.iter().filter(|(_, labels)| labels.contains(&label));
+            boundary.flat_map(|(face, _)| *face).filter(|n| *n != node).collect()
+        };
+        labels.into_iter().all(|label| {
+            let (gone_link, kept_link) = (link_of(&gone_faces, label, gone), link_of(&kept_faces, label, kept));
+            let wings =
+                gone_faces.iter().filter(|(face, labels)| labels.contains(&label) && face.contains(&kept)).count();
+            kept_link.is_empty() || (wings > 0 && gone_link.intersection(&kept_link).count() == wings)
         })
     }
 }

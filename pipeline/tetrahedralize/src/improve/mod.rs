@@ -13,12 +13,13 @@ mod swap;
 use si::Point3;
 use si::vec3::dot;
 
-use crate::complex::Complex;
+use crate::complex::{Complex, OUTSIDE};
 use crate::delaunay::sorted_edge;
 use crate::envelope::Envelope;
 use crate::geometry::{centroid, distance, distortion, flatness, normal, unit};
 use crate::insertion::EDGES;
 use crate::remesh::{Kind, SHARP};
+use crate::topology::unfold_flat;
 use crate::tree::Tree;
 
 /// Elements of a larger distortion are worked on: 10 is a dihedral angle of some 5°.
@@ -58,6 +59,9 @@ impl Improve<'_> {
             if self.worst_distortion() < POOR {
                 break;
             }
+            // splits of a flat element beside an interface leave parts of it on one side
+            unfold_flat(&mut self.complex, |label| label != OUTSIDE);
+            self.on_skin = self.complex.whole_skin().0;
             self.collapse_poor();
             self.split_poor();
             self.swap_poor(4.0);

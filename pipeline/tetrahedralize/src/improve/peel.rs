@@ -38,8 +38,13 @@ impl Improve<'_> {
         };
         let label = self.complex.labels[tet as usize];
         let one_label = inner.iter().all(|side| self.complex.label_behind(tet, *side) == label);
+        // without volume the inner faces cover what the outer ones do
+        let is_flat = distortion(self.complex.corners_of(tet)).is_infinite();
         keeps_topology
             && one_label
-            && inner.iter().all(|side| self.is_near_surface(self.complex.positions_of(*side), self.least_slack(side)))
+            && (is_flat
+                || inner
+                    .iter()
+                    .all(|side| self.is_near_surface(self.complex.positions_of(*side), self.least_slack(side))))
     }
 }

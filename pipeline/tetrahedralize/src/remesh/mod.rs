@@ -18,7 +18,7 @@ use si::vec3::{add, dot, scale, sub};
 use crate::delaunay::sorted_edge;
 use crate::envelope::Envelope;
 use crate::geometry::{centroid, distance, flatness, normal, unit};
-pub(crate) use size::Sizing;
+pub(crate) use size::{Sizing, Solid};
 
 /// Faces whose normals differ by more than 40° meet in a feature.
 pub(crate) const SHARP: f64 = 0.766;

@@ -14,6 +14,17 @@ const STRIP: f64 = 4.0;
 /// Strips narrower than this share of an edge are not followed further.
 const NARROW: f64 = 0.2;
 
+/// On which side of a surface solids are, whose walls set lengths.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Solid {
+    /// Of a body.
+    Below,
+    /// Of a cavity.
+    Above,
+    /// Of an insert.
+    Both,
+}
+
 /// What sets the lengths.
 #[derive(Debug, Clone)]
 pub(crate) struct Sizing<'a> {
@@ -27,6 +38,7 @@ pub(crate) struct Sizing<'a> {
     pub(crate) gradation: f64,
     /// Largest distance from the input.
     pub(crate) slack: f64,
+    pub(crate) solid: Solid,
     /// All surfaces: walls lie between those of different parts, too.
     pub(crate) walls: &'a Envelope,
 }
@@ -43,7 +55,12 @@ impl Remesh<'_> {
                 } else {
                     f64::INFINITY
                 };
-                self.size[node] = (sizing.aspect * inside).min(narrow).clamp(sizing.least, sizing.edge);
+                let wall = match sizing.solid {
+                    Solid::Below => inside,
+                    Solid::Above => outside,
+                    Solid::Both => inside.min(outside),
+                };
+                self.size[node] = (sizing.aspect * wall).min(narrow).clamp(sizing.least, sizing.edge);
                 let narrow = (SHARE * inside.min(outside)).max(FLOOR * sizing.slack);
                 self.slack[node] = sizing.slack.min(narrow);
             }
