@@ -10,6 +10,10 @@ use crate::{
 /// Columns whose volumes differ by more from the surfaces' give way to the general method, which follows round sides more closely.
 const AUTO_VOLUME: f64 = 5e-3;
 
+/// Columns with smaller angles give way as well: a solver takes them, but at the price of its conditioning.
+// Those of the study's tails, whose layers are thin on purpose, have 1.4° and more; where layers part at a round side, 0.01°.
+const AUTO_ANGLE: f64 = 1.0;
+
 /// Elements of second order that a body is meshed in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ElementChoice {
@@ -104,7 +108,8 @@ pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) 
         // A limit closer than the columns' own: those of a round bellows were 0.53 % short of its volume and passed
         // theirs of 2 %.
         Method::Auto => {
-            match mesh_columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
+            let close = Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set };
+            match mesh_columns(assembly, &close).and_then(refuse_slivers) {
                 Ok(chosen) => Ok(chosen),
                 // the general method would take as much
                 Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
@@ -114,6 +119,14 @@ pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) 
                 }
             }
         }
+    }
+}
+
+/// Columns as they are, unless one has a small angle.
+fn refuse_slivers(chosen: Chosen) -> Result<Chosen, MeshError> {
+    match chosen.report.min_dihedral_deg {
+        degrees if degrees < AUTO_ANGLE => Err(MeshError::Slivers { degrees, limit: AUTO_ANGLE }),
+        _ => Ok(chosen),
     }
 }
 

@@ -12,8 +12,9 @@ use si::{Metre, Point3, SquareMetre};
 /// Corners of a hole at most: the least area is sought in the cube of their number.
 // Some 0.3 million triangles are weighed for that many; a hole of a thousand corners would take 170 million.
 const MAX_CORNERS: usize = 120;
-/// A hole wider than this part of the surface's length is an opening that was meant.
-const WIDEST: f64 = 0.25;
+/// A hole wider than this part of the surface's length is an opening that was meant; of three corners, where a face is missing, if it is wider than
+/// the second.
+const WIDEST: [f64; 2] = [0.25, 0.5];
 
 /// What was changed of an open surface, in a line each.
 pub(crate) type Repairs = Vec<String>;
@@ -34,7 +35,8 @@ pub(crate) fn closed_surface(surface: &Surface, tolerance: Metre) -> Option<(Sur
     for corners in loops(&open_edges(&closed.faces)) {
         let places: Vec<Point3> = corners.iter().map(|corner| closed.points[*corner as usize]).collect();
         let width = widest(&places);
-        if corners.len() > MAX_CORNERS || width > WIDEST * length {
+        let widest_hole = WIDEST[usize::from(corners.len() == 3)] * length;
+        if corners.len() > MAX_CORNERS || width > widest_hole {
             continue;
         }
         let cover = least_cover(&places);

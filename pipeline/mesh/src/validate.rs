@@ -79,7 +79,7 @@ pub enum ValidationError {
         limit_percent: f64,
     },
     /// A boundary too far from the surfaces.
-    #[error("the mesh's boundary is {:.3} mm from the surfaces near {}\n  why: the limit is {:.3} mm, a part of the edge\n  do:  take a shorter edge; columns follow round and slanted sides worse than the method general", .distance * 1e3, crate::surface::place_text(.at), .limit * 1e3)]
+    #[error("the mesh's boundary is {:.3} mm from the surfaces near {}\n  why: the limit is {:.3} mm, a part of the edge\n  do:  take a shorter edge, or the method general; close the surface if it is open there", .distance * 1e3, crate::surface::place_text(.at), .limit * 1e3)]
     Distance {
         /// How far, m.
         distance: Metre,

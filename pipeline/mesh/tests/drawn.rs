@@ -126,14 +126,16 @@ fn winding(surface: &Surface) -> Winding {
     Winding::new(&(0..surface.faces.len()).map(|f| surface.corners(f)).collect::<Vec<_>>())
 }
 
-/// The volume within the body and out of the cavity, counted by cells, m³, and the side of a cell, m.
-fn counted(body: &Surface, cavity: Option<&Surface>) -> (f64, f64) {
+/// The volume within the body and out of the cavity, counted by cells, m³, and the side of a cell, m; what lies within more shapes than `most`
+/// is no part of the body.
+fn counted(body: &Surface, cavity: Option<&Surface>, most: f64) -> (f64, f64) {
     let (low, _) = body.bounds();
     let cell = body.length() / f64::from(CELLS);
     let (solid, void) = (winding(body), cavity.map(winding));
     let axis = |k: usize, i: u32| low[k] + cell * (f64::from(i) + 0.5);
-    let within =
-        |place: Point3| solid.number_at(place) > 0.5 && void.as_ref().is_none_or(|v| v.number_at(place) <= 0.5);
+    let within = |place: Point3| {
+        (0.5..most + 0.5).contains(&solid.number_at(place)) && void.as_ref().is_none_or(|v| v.number_at(place) <= 0.5)
+    };
     let cells = (0..CELLS.pow(3)).map(|n| [axis(0, n % CELLS), axis(1, n / CELLS % CELLS), axis(2, n / CELLS / CELLS)]);
     (cells.filter(|place| within(*place)).count() as f64 * cell.powi(3), cell)
 }
@@ -145,9 +147,12 @@ fn is_meshed(seed: u64) -> bool {
     let parts = Assembly { body: &body, inserts: Vec::new(), cavities: cavity.iter().collect() };
     let set = Settings { method: Method::General, ..Settings::new(edge) };
     let outcome = mesh_assembly(&parts, &set, &|_| ());
-    let (expected, cell) = counted(&body, cavity.as_ref());
     match outcome {
         Ok(chosen) => {
+            // a shape wholly within another is taken for a cavity, and said to be one
+            let is_cavity = |repair: &String| repair.ends_with("was taken for a cavity");
+            let most = if chosen.report.repairs.iter().any(is_cavity) { 1.0 } else { f64::INFINITY };
+            let (expected, cell) = counted(&body, cavity.as_ref(), most);
             let mesh = chosen.solid.into_corners();
             let volume: f64 = (0..mesh.tets.len()).map(|tet| mesh.volume(tet)).sum();
             // cells on the surface are within or not by chance: a tenth of a cell on all of it, and what a slit leaves open
@@ -163,12 +168,24 @@ fn is_meshed(seed: u64) -> bool {
     }
 }
 
-/// Shapes that are drawn where `DRAWN_SHAPES` says no other number; two hundred take twenty minutes of one core.
+/// Shapes that are drawn where `DRAWN_SHAPES` says no other number, from the one that `DRAWN_FIRST` says; two hundred take twenty minutes of one core.
 const SHAPES: u64 = 5;
+/// Shapes that were refused once: a slit wider than a quarter of the body, flat elements on the face of a box (two), a shape within another.
+const HARD: [u64; 4] = [11, 64, 74, 78];
+
+fn number_from(variable: &str) -> Option<u64> {
+    std::env::var(variable).ok()?.parse().ok()
+}
 
 #[test]
 fn of_drawn_shapes_at_most_two_in_a_hundred_are_refused() {
-    let count = std::env::var("DRAWN_SHAPES").ok().and_then(|text| text.parse().ok()).unwrap_or(SHAPES);
-    let refused = (0..count).filter(|number| !is_meshed(SEED + number)).count() as u64;
+    let (first, count) = (number_from("DRAWN_FIRST").unwrap_or(0), number_from("DRAWN_SHAPES").unwrap_or(SHAPES));
+    let refused = (first..first + count).filter(|number| !is_meshed(SEED + number)).count() as u64;
     assert!(50 * refused <= count, "{refused} of {count}");
+}
+
+#[test]
+fn shapes_that_were_refused_once_are_meshed() {
+    let refused: Vec<u64> = HARD.into_iter().filter(|number| !is_meshed(SEED + number)).collect();
+    assert!(refused.is_empty(), "{refused:?}");
 }

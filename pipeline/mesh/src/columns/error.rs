@@ -91,6 +91,16 @@ pub enum MeshError {
         /// Length of edges, m.
         edge: Metre,
     },
+    /// Columns whose elements are too flat.
+    #[error(
+        "columns of the body have angles of {degrees:.2}°\n  why: layers meet at a round or slanted side; the limit is {limit:.1}°\n  do:  take the method general, or auto"
+    )]
+    Slivers {
+        /// The smallest angle between two faces of an element, degrees.
+        degrees: f64,
+        /// The limit, degrees.
+        limit: f64,
+    },
     /// More parts than columns take.
     #[error(
         "columns cannot be made of a body with {inserts} inserts and {cavities} cavities in files of their own\n  why: they take a body with one sheet in it, or with none\n  do:  take the method general, or auto"
