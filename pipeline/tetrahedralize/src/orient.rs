@@ -11,7 +11,7 @@ use crate::geometry::normal;
 use crate::tree::Tree;
 
 /// Shells beyond so many are not compared with each other.
-const MAX_SHELLS: usize = 200;
+pub(crate) const MAX_SHELLS: usize = 200;
 
 /// Winding number of a surface (absolute) above which a point lies within it, and below one less this outside.
 const WITHIN: f64 = 0.9;
@@ -71,7 +71,7 @@ pub(crate) fn orient_part(part: &Part) -> (Part, Vec<Repair>) {
 }
 
 /// The shell of each face, joined across edges of two faces, and whether the face looks the other way than the shell's first.
-fn consistent_shells(faces: &[[u32; 3]]) -> (Vec<u32>, Vec<bool>) {
+pub(crate) fn consistent_shells(faces: &[[u32; 3]]) -> (Vec<u32>, Vec<bool>) {
     let mut edges: BTreeMap<[u32; 2], Vec<(usize, bool)>> = BTreeMap::new();
     for (number, [a, b, c]) in faces.iter().enumerate() {
         for [p, q] in [[*a, *b], [*b, *c], [*c, *a]] {

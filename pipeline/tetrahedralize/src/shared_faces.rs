@@ -1,36 +1,77 @@
-//! Faces that two parts share, as a body's pocket and the sheet in it: those of the later part alone are meshed.
+//! Faces that two shells share, as a body's pocket and the sheet in it, or two solids of one file that touch: those of the later shell alone are
+//! meshed.
 //!
 //! Remeshed apart, the two surfaces would lie within an envelope of each other with nodes that do not match: slits and slivers of less than its
-//! width all along their rims, which no operation removes. The earlier part keeps its faces for winding numbers, which want a closed surface.
+//! width all along their rims, which no operation removes. The earlier shell keeps its faces for winding numbers, which want a closed surface.
 
 use si::Point3;
 
 use crate::Part;
 use crate::envelope::Envelope;
+use crate::orient::{MAX_SHELLS, consistent_shells};
 
-/// A part without the faces that a later one has as well, and these.
+/// A part without the faces that a later shell has as well, and these.
 pub(crate) struct OwnFaces {
     pub(crate) part: Part,
     pub(crate) shared: Vec<[Point3; 3]>,
 }
 
-/// The faces of each part that no later part has within `tolerance` (m).
-pub(crate) fn part_shared(parts: &[Part], tolerance: f64, longest: f64) -> Vec<OwnFaces> {
-    let envelopes: Vec<Envelope> = parts.iter().map(|part| Envelope::new(&part.triangles(), longest)).collect();
-    let is_shared = |number: usize, face: &[u32; 3]| {
-        let corners = face.map(|n| parts[number].points[n as usize]);
-        let on_surface = |later: &Envelope| {
-            corners.iter().all(|p| later.tree.within(*p, tolerance, None).is_some())
-                && later.holds_triangle(corners, tolerance)
+/// A connected part of a surface.
+struct Shell {
+    low: Point3,
+    high: Point3,
+    envelope: Envelope,
+}
+
+impl Shell {
+    fn new(triangles: &[[Point3; 3]], longest: f64) -> Self {
+        let bound = |start: f64, pick: fn(f64, f64) -> f64| {
+            [0, 1, 2].map(|k| triangles.iter().flatten().map(|p| p[k]).fold(start, pick))
         };
-        envelopes[number + 1..].iter().any(on_surface)
-    };
+        let (low, high) = (bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max));
+        Self { low, high, envelope: Envelope::new(triangles, longest) }
+    }
+
+    /// Whether a triangle lies on it.
+    fn holds(&self, corners: [Point3; 3], tolerance: f64) -> bool {
+        let in_box = |p: &Point3| (0..3).all(|k| p[k] >= self.low[k] - tolerance && p[k] <= self.high[k] + tolerance);
+        corners.iter().all(in_box)
+            && corners.iter().all(|p| self.envelope.tree.within(*p, tolerance, None).is_some())
+            && self.envelope.holds_triangle(corners, tolerance)
+    }
+}
+
+/// The faces of each part that no later shell has within `tolerance` (m).
+pub(crate) fn part_shared(parts: &[Part], tolerance: f64, longest: f64) -> Vec<OwnFaces> {
+    let numbers: Vec<Vec<usize>> = parts.iter().map(shell_numbers).collect();
+    let shells: Vec<Vec<Shell>> = parts.iter().zip(&numbers).map(|(part, own)| shells_of(part, own, longest)).collect();
     let own_faces = |(number, part): (usize, &Part)| {
-        let (shared, own): (Vec<[u32; 3]>, Vec<[u32; 3]>) = part.faces.iter().partition(|face| is_shared(number, face));
-        let shared = shared.into_iter().map(|face| face.map(|n| part.points[n as usize])).collect();
-        OwnFaces { part: Part { faces: own, ..part.clone() }, shared }
+        let is_shared = |face: usize| {
+            let corners = part.faces[face].map(|n| part.points[n as usize]);
+            let beside = shells[number].iter().skip(numbers[number][face] + 1);
+            beside.chain(shells[number + 1..].iter().flatten()).any(|later| later.holds(corners, tolerance))
+        };
+        let (shared, own): (Vec<usize>, Vec<usize>) = (0..part.faces.len()).partition(|face| is_shared(*face));
+        let corners = |face: usize| part.faces[face].map(|n| part.points[n as usize]);
+        OwnFaces {
+            part: Part { faces: own.into_iter().map(|face| part.faces[face]).collect(), ..part.clone() },
+            shared: shared.into_iter().map(corners).collect(),
+        }
     };
     parts.iter().enumerate().map(own_faces).collect()
+}
+
+/// The shell of each face; one of all, where there are too many to compare.
+fn shell_numbers(part: &Part) -> Vec<usize> {
+    let (shells, _) = consistent_shells(&part.faces);
+    let few = shells.iter().all(|shell| (*shell as usize) < MAX_SHELLS);
+    shells.into_iter().map(|shell| if few { shell as usize } else { 0 }).collect()
+}
+
+fn shells_of(part: &Part, numbers: &[usize], longest: f64) -> Vec<Shell> {
+    let mut members: Vec<Vec<[Point3; 3]>> = vec![Vec::new(); numbers.iter().max().map_or(0, |last| last + 1)];
+    part.triangles().into_iter().zip(numbers).for_each(|(triangle, shell)| members[*shell].push(triangle));
+    members.iter().map(|triangles| Shell::new(triangles, longest)).collect()
 }
 
 #[cfg(test)]
@@ -54,5 +95,15 @@ mod tests {
         assert_eq!((own[0].part.faces.len(), own[0].shared.len()), (10, 2));
         assert_eq!((own[1].part.faces.len(), own[1].shared.len()), (12, 0));
         assert!(own[0].shared.iter().flatten().all(|p| p[0] == 0.01));
+    }
+
+    #[test]
+    fn of_two_boxes_of_one_part_that_touch_one_keeps_the_side() {
+        let mut body = block([0.0; 3], [0.01, 0.01, 0.01], Fill::Region(0));
+        let other = block([0.01, 0.0, 0.0], [0.02, 0.01, 0.01], Fill::Region(0));
+        body.points.extend(other.points);
+        body.faces.extend(other.faces.iter().map(|face| face.map(|n| n + 8)));
+        let own = part_shared(&[body], 1e-6, 0.01);
+        assert_eq!((own[0].part.faces.len(), own[0].shared.len()), (22, 2));
     }
 }

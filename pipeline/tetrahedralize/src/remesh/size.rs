@@ -9,6 +9,9 @@ const SHARE: f64 = 0.12;
 /// But at least this share of the largest one: beside the edge of a wedge all walls are thin, and slivers there could not go.
 const FLOOR: f64 = 0.5;
 
+/// Surfaces nearer to each other than this share of the distance allowed are one, with no wall between them.
+const COINCIDENT: f64 = 0.4;
+
 /// Target length over the height of the triangles of a strip.
 const STRIP: f64 = 4.0;
 /// Strips narrower than this share of an edge are not followed further.
@@ -88,7 +91,7 @@ impl Remesh<'_> {
         let position = self.points[node as usize];
         let mut widths = [f64::INFINITY; 2];
         for face in &self.around[node as usize] {
-            let reach = [0.05 * sizing.slack, sizing.edge];
+            let reach = [COINCIDENT * sizing.slack, sizing.edge];
             let measured = sizing.walls.wall_and_gap(self.face_corners(*face), position, reach);
             widths = [0, 1].map(|k| f64::min(widths[k], measured[k]));
         }
