@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import gmsh
@@ -36,6 +36,8 @@ PRESSURE, MODULUS, RATIO = 2e3, 1e5, 0.45
 CREASE = 0.7
 #: Length of gmsh's edges over ours: it has one element through a wall of that length, where ours are sized by the wall.
 GMSH_EDGE = 0.4
+#: Edges that take from some ten to some five hundred thousand elements, m.
+GROWTH_EDGES = [3e-3, 1.6e-3, 1e-3, 0.6e-3, 0.47e-3]
 
 
 @dataclass
@@ -239,8 +241,23 @@ def processor_seconds() -> float:
     return sum(u.ru_utime + u.ru_stime for u in used)
 
 
+def print_growth() -> None:
+    """Seconds and memory of ours over a decade and a half of elements."""
+    body = BODIES[0]
+    print(f"\n{'edge mm':>8}{'elements':>10}{'CPU s':>8}{'µs an element':>15}{'MB':>7}")
+    for edge in GROWTH_EDGES:
+        with tempfile.TemporaryDirectory() as scratch:
+            began = processor_seconds()
+            mesh = by_softfish(replace(body, edge=edge), Path(scratch))
+            seconds, elements = processor_seconds() - began, len(dihedral_angles(mesh))
+        # the largest of all children until now: edges grow shorter
+        memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
+        print(f"{1e3 * edge:>8.2f}{elements:>10}{seconds:>8.1f}{1e6 * seconds / elements:>15.0f}{memory:>7.0f}", flush=True)
+
+
 def main() -> None:
     """Prints a row for each body and mesher."""
+    print_growth()
     print(f"{'body':<18}{'mesher':<10}{'elements':>9}{'least °':>9}{'0.1 % °':>9}{'CPU s':>8}{'tip mm':>9}{'of ours':>9}")
     for body in BODIES:
         with tempfile.TemporaryDirectory() as scratch:

@@ -6,15 +6,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::surface::{Surface, place_text};
-use si::vec3::{cross, norm, sub};
+use si::vec3::{add, cross, dot, norm, sub};
 use si::{Metre, Point3, SquareMetre};
 
 /// Corners of a hole at most: the least area is sought in the cube of their number.
 // Some 0.3 million triangles are weighed for that many; a hole of a thousand corners would take 170 million.
 const MAX_CORNERS: usize = 120;
-/// A hole wider than this part of the surface's length is an opening that was meant; of three corners, where a face is missing, if it is wider than
-/// the second.
-const WIDEST: [f64; 2] = [0.25, 0.5];
+/// A hole wider than this part of the surface's length is an opening that was meant, unless it is of three corners, where a face is missing, or
+/// plane, as where the side that a body stands on is missing: there is one way to cover these.
+const WIDEST: f64 = 0.35;
+/// Corners of a plane hole are off their plane by no more than this part of its width.
+const PLANE: f64 = 1e-3;
 
 /// What was changed of an open surface, in a line each.
 pub(crate) type Repairs = Vec<String>;
@@ -35,8 +37,8 @@ pub(crate) fn closed_surface(surface: &Surface, tolerance: Metre) -> Option<(Sur
     for corners in loops(&open_edges(&closed.faces)) {
         let places: Vec<Point3> = corners.iter().map(|corner| closed.points[*corner as usize]).collect();
         let width = widest(&places);
-        let widest_hole = WIDEST[usize::from(corners.len() == 3)] * length;
-        if corners.len() > MAX_CORNERS || width > widest_hole {
+        let is_opening = width > WIDEST * length && distance_from_plane(&places) > PLANE * width;
+        if corners.len() > MAX_CORNERS || is_opening {
             continue;
         }
         let cover = least_cover(&places);
@@ -151,6 +153,16 @@ fn least_cover(places: &[Point3]) -> Vec<[usize; 3]> {
     triangles
 }
 
+/// The largest distance of a polygon's corners from the plane through their middle, normal to the polygon's area vector, m.
+fn distance_from_plane(places: &[Point3]) -> Metre {
+    let middle = [0, 1, 2].map(|k| places.iter().map(|p| p[k]).sum::<f64>() / places.len() as f64);
+    let arms: Vec<Point3> = places.iter().map(|p| sub(*p, middle)).collect();
+    let sides = arms.iter().zip(arms.iter().cycle().skip(1));
+    let normal = sides.map(|(a, b)| cross(*a, *b)).fold([0.0; 3], add);
+    let length = norm(normal).max(f64::MIN_POSITIVE);
+    arms.iter().map(|arm| dot(*arm, normal).abs() / length).fold(0.0, f64::max)
+}
+
 fn area([a, b, c]: [Point3; 3]) -> SquareMetre {
     0.5 * norm(cross(sub(b, a), sub(c, a)))
 }
@@ -193,11 +205,15 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_face_is_covered_and_an_opening_as_wide_as_the_body_is_not() {
+    fn missing_faces_and_a_missing_plane_side_are_covered_and_a_wide_opening_is_not() {
         let (mut cube, _) = closed_surface(&loose_cube(0.0), 1e-6).unwrap();
         assert!(closed_surface(&cube, 1e-6).is_none(), "a closed surface is left as it is");
-        cube.faces.truncate(10);
-        assert!(closed_surface(&cube, 1e-6).is_none(), "a whole side is an opening");
+        let mut open = cube.clone();
+        open.faces.truncate(10);
+        let (closed, _) = closed_surface(&open, 1e-6).unwrap();
+        assert!(open_edges(&closed.faces).is_empty());
+        cube.faces.drain(6..10);
+        assert!(closed_surface(&cube, 1e-6).is_none(), "two sides with a common edge are an opening");
         let mut holed = stl::read(&stl::write(&ball(24), 1e-3, "ball"), 1e-3).unwrap();
         holed.faces.drain(40..43);
         let (closed, repairs) = closed_surface(&holed, 1e-6).unwrap();
