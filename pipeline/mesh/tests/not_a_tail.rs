@@ -4,7 +4,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mesh::{MeshError, Report, Settings, Surface, TetMesh, mesh, mesh_without_sheet, stl};
+use mesh::{
+    Assembly, MeshError, Method, Report, Settings, Surface, TetMesh, mesh, mesh_assembly, mesh_without_sheet, stl,
+};
 use si::{Metre, Point3};
 
 /// Faces around the axis of a body of revolution.
@@ -122,6 +124,17 @@ fn a_bellows() {
     let body = joined(turned(&bellows(1.5)), hollow(turned(&bellows(0.0))));
     let (_, report) = alone(&body, 2e-3);
     has_chambers(&report, &body, 1);
+}
+
+#[test]
+fn a_slanted_ball_with_a_cavity_is_meshed_by_the_general_method_where_a_half_of_columns_was_wished_for() {
+    let mut body = joined(turned(&ball(20.0)), hollow(turned(&ball(12.0))));
+    body.points.iter_mut().for_each(|p| *p = [p[0] + 0.3 * p[1], p[1] + 0.4 * p[2], p[2] - 0.5 * p[0]]);
+    let set = Settings { method: Method::Auto, use_symmetry: true, ..Settings::new(1e-2) };
+    let parts = Assembly { body: &body, inserts: Vec::new(), cavities: Vec::new() };
+    let chosen = mesh_assembly(&parts, &set, &|_| ()).unwrap();
+    assert!(chosen.not_columns.is_some() && !chosen.solid.half, "{:?}", chosen.report);
+    assert_eq!(chosen.report.chambers.len(), 1);
 }
 
 #[test]

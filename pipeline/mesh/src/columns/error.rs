@@ -101,6 +101,14 @@ pub enum MeshError {
         /// The limit, degrees.
         limit: f64,
     },
+    /// Columns that do not follow the body.
+    #[error("columns of the body are {:.3} mm off its surface\n  why: the limit is {:.3} mm, a tenth of the edge\n  do:  take a shorter edge, or the method general or auto", .distance * 1e3, .limit * 1e3)]
+    Far {
+        /// How far, m.
+        distance: Metre,
+        /// The limit, m.
+        limit: Metre,
+    },
     /// More parts than columns take.
     #[error(
         "columns cannot be made of a body with {inserts} inserts and {cavities} cavities in files of their own\n  why: they take a body with one sheet in it, or with none\n  do:  take the method general, or auto"
