@@ -44,6 +44,7 @@ fn a_body_with_an_insert_and_a_cavity_becomes_a_file_with_two_regions_and_a_cham
         let report = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert!(report.contains("1 chambers") && report.contains("interface"), "{report}");
+        assert_eq!(report.contains(" MiB"), cfg!(target_os = "linux"), "{report}");
         let read = simulate::raw_mesh(&folder.join(format!("made.{ending}"))).unwrap().check(1.0, false).unwrap();
         assert_eq!((read.regions.len(), read.cavities.len()), (2, 1), "{ending}");
         assert!((read.cavities[0].volume / 8e-7 - 1.0).abs() < 1e-3);
@@ -63,6 +64,18 @@ fn the_repaired_surface_is_closed_and_the_picture_is_drawn() {
     let again = stl::read(&std::fs::read(folder.join("again.stl")).unwrap(), 1e-3).unwrap();
     assert!((again.shells().unwrap().0[0].volume / 1.2e-5 - 1.0).abs() < 1e-3);
     assert!(std::fs::read_to_string(folder.join("cut.svg")).unwrap().contains("<polygon"));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn with_layers_auto_is_the_general_method_and_columns_refuse_them() {
+    let folder = folder("layers");
+    let output = study_mesh(&folder, "body.stl --edge 6mm --layers 2 --smallest 4mm --envelope 0.05mm --quiet");
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && report.contains("method      general"), "{report}");
+    let refused = study_mesh(&folder, "body.stl --edge 6mm --layers 2 --method columns");
+    let why = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && why.contains("take the method general"), "{why}");
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::quality::dihedral_quantile;
 use crate::{
-    Assembly, Curving, Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, mesh, mesh_general,
-    mesh_in_hexahedra, mesh_without_sheet, quadratic,
+    Assembly, Curving, Detail, Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, mesh,
+    mesh_general, mesh_in_hexahedra, mesh_without_sheet, quadratic,
 };
 
 /// Columns whose volumes differ by more from the surfaces' give way to the general method, which follows round sides more closely.
@@ -107,7 +107,11 @@ pub fn mesh_chosen(
 /// [`MeshError`] of the surfaces, which names the part and the place.
 pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
     match set.method {
+        Method::Columns if set.detail != Detail::default() => Err(MeshError::Detail),
         Method::Columns => mesh_columns(assembly, set),
+        Method::Auto if set.detail != Detail::default() => {
+            Ok(Chosen { not_columns: Some(MeshError::Detail), ..mesh_anything(assembly, set, watch)? })
+        }
         Method::General => mesh_anything(assembly, set, watch),
         Method::Auto => mesh_either(assembly, set, watch),
     }

@@ -9,7 +9,7 @@ use crate::curving::{Curving, curve_middles};
 use crate::foreign::RawMesh;
 use crate::quality::dihedral_quantile;
 use crate::validate::{self, Limits, Reference};
-use crate::{Assembly, MeshError, QuadraticMesh, Report, Settings, Solid, Surface, TetMesh, quadratic};
+use crate::{Assembly, Detail, MeshError, QuadraticMesh, Report, Settings, Solid, Surface, TetMesh, quadratic};
 use si::Metre;
 use tetrahedralize::tetrahedralize_watched;
 
@@ -20,8 +20,9 @@ const ATTEMPTS: usize = 3;
 /// The smallest angle of all elements and of all but one in a thousand that are aimed at, degrees.
 const LEAST_ANGLE: f64 = 1.0;
 const USUAL_ANGLE: f64 = 5.0;
-/// A further attempt is worth its time where the last one came nearer by this factor.
+/// A further attempt is worth its time where the last one came nearer by this factor, or misses by little.
 const WORTH: f64 = 0.95;
+const LITTLE: f64 = 1.1;
 /// Edge of the next lattice over the last one's.
 // A lattice a little finer moves against the surfaces everywhere, and takes a quarter more elements; half the edge
 // would take eight times as many.
@@ -45,7 +46,7 @@ pub(crate) fn mesh_general(
     set: &Settings,
     watch: &dyn Fn(&str),
 ) -> Result<(QuadraticMesh, Report, Curving), MeshError> {
-    let request = tetrahedralize::Settings::new(set.edge);
+    let request = general_settings(set);
     let closed = ClosedParts::of_assembly(assembly, SEAM * request.envelope);
     let assembly = &closed.assembly();
     let parts = assembly.inserts.iter().map(|s| ("insert", *s)).chain(assembly.cavities.iter().map(|s| ("cavity", *s)));
@@ -59,6 +60,17 @@ pub(crate) fn mesh_general(
     // corners lie off a crease by the envelope at most; those of the last attempt's, which may be wider, by little more
     let curving = curve_middles(&mut solid, &targets, 2.0 * request.envelope);
     Ok((solid, closed.with_repairs(chosen.report), curving))
+}
+
+fn general_settings(set: &Settings) -> tetrahedralize::Settings {
+    let usual = tetrahedralize::Settings::new(set.edge);
+    let Detail { envelope, smallest, layers } = set.detail;
+    tetrahedralize::Settings {
+        envelope: envelope.unwrap_or(usual.envelope),
+        least: smallest.unwrap_or(usual.least),
+        aspect: layers.map_or(usual.aspect, |count| 1.0 / f64::from(count)),
+        ..usual
+    }
 }
 
 /// The first mesh that misses nothing, or the best of all attempts.
@@ -82,11 +94,11 @@ fn best_candidate(
             Ok(latest) => {
                 request = closer_settings(request, latest.report.hausdorff_m / aim);
                 let former_miss = best.as_ref().map_or(f64::INFINITY, |b| b.miss);
-                let nearer = latest.miss < WORTH * former_miss;
+                let is_promising = latest.miss < (WORTH * former_miss).max(LITTLE);
                 if latest.miss < former_miss {
                     best = Some(latest);
                 }
-                if !nearer {
+                if !is_promising {
                     break;
                 }
             }
@@ -160,7 +172,7 @@ fn mesh_candidate(
         Solid::Quadratic(mesh) => Solid::Quadratic(mesh).to_linear(),
     };
     let report = Report { repairs, ..candidate_report(&mesh, (assembly, visible), set)? };
-    let aim = tetrahedralize::Settings::new(set.edge).envelope;
+    let aim = general_settings(set).envelope;
     let angles = (LEAST_ANGLE / report.min_dihedral_deg).max(USUAL_ANGLE / dihedral_quantile(&mesh, 1e-3));
     let miss = angles.max(report.hausdorff_m / aim);
     Ok(Candidate { mesh, report, miss })
@@ -245,6 +257,21 @@ mod tests {
         assert_eq!(solid.into_corners().chambers(), 1);
         assert!((report.volume_body / report.volume_body_stl - 1.0).abs() < 1e-3);
         assert!(report.min_dihedral_deg > 5.0 && report.hausdorff_m < 2e-4);
+    }
+
+    #[test]
+    fn a_plate_has_as_many_elements_through_it_as_are_asked_for_and_no_edges_below_the_shortest() {
+        let plate = block([0.0; 3], [0.03, 0.02, 0.002]);
+        let meshed = |detail: Detail| {
+            let set = Settings { detail, ..Settings::new(5e-3) };
+            mesh_general(&Assembly::of_body(&plate, None), &set, &|_| ()).unwrap().0.into_corners()
+        };
+        let inside = |mesh: &TetMesh| mesh.nodes.iter().filter(|p| p[2] > 2e-4 && p[2] < 1.8e-3).count();
+        let (usual, two) = (meshed(Detail::default()), meshed(Detail { layers: Some(2), ..Detail::default() }));
+        let limited = meshed(Detail { layers: Some(2), smallest: Some(4e-3), ..Detail::default() });
+        let counts = [&usual, &two, &limited].map(|mesh| mesh.tets.len());
+        assert!(inside(&usual) < 30 && inside(&two) > 300, "{} {}", inside(&usual), inside(&two));
+        assert!(counts[1] > 8 * counts[0] && counts[2] < 2 * counts[0], "{counts:?}");
     }
 
     #[test]

@@ -71,7 +71,7 @@ pub use curving::Curving;
 pub use embed::{Spot, embed, embed_mark};
 pub(crate) use general::mesh_general;
 pub use measures::{Interface, Measures, RegionMeasures};
-pub use method::Method;
+pub use method::{Detail, Method};
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
 pub use quadratic_face::QuadraticFace;
 pub use solid::Solid;

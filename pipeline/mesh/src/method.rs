@@ -1,6 +1,7 @@
 //! The choice of the method by which tetrahedra are made from surfaces.
 
 use serde::{Deserialize, Serialize};
+use si::Metre;
 
 /// How tetrahedra are made from surfaces, as settings and cases name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -13,4 +14,15 @@ pub enum Method {
     General,
     /// In columns where they divide the body, else by the general method.
     Auto,
+}
+
+/// What the general method is asked for besides the length of edges; columns follow their own rules.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Detail {
+    /// Largest distance between the surfaces and the mesh's, m; 2 % of an edge where there is none.
+    pub envelope: Option<Metre>,
+    /// Shortest edges, m: smaller features are followed within the envelope only; a sixteenth of an edge where there is none.
+    pub smallest: Option<Metre>,
+    /// Elements through a wall, as far as edges are not shorter than the shortest; one, five times as wide as the wall is thick, where there is none.
+    pub layers: Option<u32>,
 }

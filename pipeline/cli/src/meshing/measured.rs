@@ -4,6 +4,7 @@ use std::fmt;
 
 use diagnostics::Diagnostic;
 use mesh::{Chosen, Curving, Measures, Method, RegionMeasures};
+use workflow::runner::peak_memory;
 
 use super::options::MeshSurfaces;
 
@@ -28,12 +29,13 @@ impl fmt::Display for Measured<'_> {
         let (report, measures, edge) = (&self.chosen.report, self.measures, self.options.edge);
         writeln!(
             out,
-            "elements    {} quadratic tetrahedra, {} nodes, {} of them corners; edge {:.3} mm; {:.1} s",
+            "elements    {} quadratic tetrahedra, {} nodes, {} of them corners; edge {:.3} mm; {:.1} s{}",
             report.tets,
             report.quadratic_nodes,
             report.nodes,
             edge * 1e3,
-            self.seconds
+            self.seconds,
+            peak_memory().map_or(String::new(), |memory| format!(", at most {memory:.0} MiB"))
         )?;
         writeln!(out, "method      {}", self.method_text())?;
         report.repairs.iter().try_for_each(|repair| writeln!(out, "repaired    {repair}"))?;

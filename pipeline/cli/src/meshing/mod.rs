@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use diagnostics::{Diagnostic, Result, output};
 use mesh::foreign::{write_gmsh, write_medit};
-use mesh::{Assembly, Chosen, Measures, QuadraticMesh, Settings, Surface, mesh_assembly, stl, vtu};
+use mesh::{Assembly, Chosen, Detail, Measures, QuadraticMesh, Settings, Surface, mesh_assembly, stl, vtu};
 
 use measured::Measured;
 use options::MeshSurfaces;
@@ -38,7 +38,8 @@ pub fn run(options: &MeshSurfaces, quiet: bool) -> Result<Meshed> {
             output::note(format_args!("{:7.1} s  {step}", began.elapsed().as_secs_f64()));
         }
     };
-    let set = Settings { method: options.method.into(), use_symmetry: false, ..Settings::new(options.edge) };
+    let detail = Detail { envelope: options.envelope, smallest: options.smallest, layers: options.layers };
+    let set = Settings { method: options.method.into(), use_symmetry: false, detail, ..Settings::new(options.edge) };
     let chosen =
         mesh_assembly(&assembly, &set, &watch).map_err(|error| Diagnostic::from(error).of(surface_names(options)))?;
     let seconds = began.elapsed().as_secs_f64();

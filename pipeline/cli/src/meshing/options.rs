@@ -17,6 +17,16 @@ pub struct MeshSurfaces {
     /// Length of edges, m, or with a unit: 0.004 or 4mm. Edges are shorter in thin walls and at small features.
     #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
     pub edge: f64,
+    /// Largest distance between the files' surfaces and the mesh, as --edge is written; 2 % of an edge when not given. With this option and the
+    /// next two, auto is the general method.
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    pub envelope: Option<f64>,
+    /// Shortest edges: smaller features are followed within the envelope only; a sixteenth of an edge when not given.
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    pub smallest: Option<f64>,
+    /// Elements through a wall, where edges need not be shorter than the shortest; one, five times as wide as the wall is thick, when not given.
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub layers: Option<u32>,
     /// Unit of the numbers in the files: mm, cm, m or inch.
     #[arg(long, default_value = "mm", value_parser = parse_unit)]
     pub unit: Unit,

@@ -101,6 +101,11 @@ pub enum MeshError {
         /// The limit, degrees.
         limit: f64,
     },
+    /// Columns with settings of the general method.
+    #[error(
+        "columns know no envelope, no shortest edge and no number of layers\n  why: these are settings of the general method\n  do:  take the method general or auto, or leave them out"
+    )]
+    Detail,
     /// Columns that do not follow the body.
     #[error("columns of the body are {:.3} mm off its surface\n  why: the limit is {:.3} mm, a tenth of the edge\n  do:  take a shorter edge, or the method general or auto", .distance * 1e3, .limit * 1e3)]
     Far {

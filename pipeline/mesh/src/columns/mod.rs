@@ -32,7 +32,7 @@ pub use grid::{Grading, LayeredBody, Slab, layers_in_hexahedra};
 use crate::frame::Frame;
 use crate::stack::{self, Cycle, Stack};
 use crate::validate::{self, Limits, Reference};
-use crate::{Method, QuadraticMesh, Report, Surface, TetMesh};
+use crate::{Detail, Method, QuadraticMesh, Report, Surface, TetMesh};
 use arrange::{Graph, arrange_segments};
 use chambers::Chambers;
 use outline_snap::snap_to_outlines;
@@ -59,6 +59,8 @@ pub struct Settings {
     pub distance_limit: f64,
     /// How tetrahedra are made.
     pub method: Method,
+    /// What the general method is asked for besides.
+    pub detail: Detail,
 }
 
 impl Settings {
@@ -71,6 +73,7 @@ impl Settings {
             volume_limit: 0.02,
             distance_limit: 0.2,
             method: Method::Columns,
+            detail: Detail::default(),
         }
     }
 }

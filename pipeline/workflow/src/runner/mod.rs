@@ -32,7 +32,7 @@ pub(crate) use plan::up_to_date;
 pub use plan::{Outdated, Share};
 pub use process::Process;
 pub use store::{Found, Store};
-pub use usage::{Measured, Usage};
+pub use usage::{Measured, Usage, peak_memory};
 
 use std::collections::BTreeMap;
 

@@ -70,7 +70,8 @@ fn cpu_seconds() -> Option<f64> {
     parse_cpu_seconds(&fs::read_to_string("/proc/self/stat").ok()?)
 }
 
-fn peak_memory() -> Option<f64> {
+/// The most memory that this process has held, MiB; none where the system does not say.
+pub fn peak_memory() -> Option<f64> {
     parse_peak_memory(&fs::read_to_string("/proc/self/status").ok()?)
 }
 
