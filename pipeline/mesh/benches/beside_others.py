@@ -36,8 +36,8 @@ PRESSURE, MODULUS, RATIO = 2e3, 1e5, 0.45
 CREASE = 0.7
 #: Length of gmsh's edges over ours: it has one element through a wall of that length, where ours are sized by the wall.
 GMSH_EDGE = 0.4
-#: Edges that take from some ten to some five hundred thousand elements, m.
-GROWTH_EDGES = [3e-3, 1.6e-3, 1e-3, 0.6e-3, 0.47e-3]
+#: Edges that take from some fifteen to some five hundred thousand elements, m.
+GROWTH_EDGES = [4e-3, 1.8e-3, 1e-3, 0.72e-3]
 
 
 @dataclass
