@@ -208,9 +208,9 @@ mod tests {
     fn missing_faces_and_a_missing_plane_side_are_covered_and_a_wide_opening_is_not() {
         let (mut cube, _) = closed_surface(&loose_cube(0.0), 1e-6).unwrap();
         assert!(closed_surface(&cube, 1e-6).is_none(), "a closed surface is left as it is");
-        let mut open = cube.clone();
-        open.faces.truncate(10);
-        let (closed, _) = closed_surface(&open, 1e-6).unwrap();
+        let mut holed_cube = cube.clone();
+        holed_cube.faces.truncate(10);
+        let (closed, _) = closed_surface(&holed_cube, 1e-6).unwrap();
         assert!(open_edges(&closed.faces).is_empty());
         cube.faces.drain(6..10);
         assert!(closed_surface(&cube, 1e-6).is_none(), "two sides with a common edge are an opening");

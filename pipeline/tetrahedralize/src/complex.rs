@@ -134,9 +134,9 @@ impl Complex {
             let nodes = self.tets[*tet as usize];
             let label = self.labels[*tet as usize];
             for side in SIDES.iter().map(|s| s.map(|i| nodes[i])).filter(|s| s.contains(&node)) {
-                let behind = self.label_behind(*tet, side);
-                if label < behind {
-                    faces.push((side, [label, behind]));
+                let other_label = self.label_behind(*tet, side);
+                if label < other_label {
+                    faces.push((side, [label, other_label]));
                 }
             }
         }

@@ -44,17 +44,18 @@ impl Shell {
 /// The faces of each part that no later shell has within `tolerance` (m).
 pub(crate) fn part_shared(parts: &[Part], tolerance: f64, longest: f64) -> Vec<OwnFaces> {
     let numbers: Vec<Vec<usize>> = parts.iter().map(shell_numbers).collect();
-    let shells: Vec<Vec<Shell>> = parts.iter().zip(&numbers).map(|(part, own)| shells_of(part, own, longest)).collect();
+    let shells: Vec<Vec<Shell>> =
+        parts.iter().zip(&numbers).map(|(part, shells)| shells_of(part, shells, longest)).collect();
     let own_faces = |(number, part): (usize, &Part)| {
         let is_shared = |face: usize| {
             let corners = part.faces[face].map(|n| part.points[n as usize]);
-            let beside = shells[number].iter().skip(numbers[number][face] + 1);
-            beside.chain(shells[number + 1..].iter().flatten()).any(|later| later.holds(corners, tolerance))
+            let later_shells = shells[number].iter().skip(numbers[number][face] + 1);
+            later_shells.chain(shells[number + 1..].iter().flatten()).any(|later| later.holds(corners, tolerance))
         };
-        let (shared, own): (Vec<usize>, Vec<usize>) = (0..part.faces.len()).partition(|face| is_shared(*face));
+        let (shared, unshared): (Vec<usize>, Vec<usize>) = (0..part.faces.len()).partition(|face| is_shared(*face));
         let corners = |face: usize| part.faces[face].map(|n| part.points[n as usize]);
         OwnFaces {
-            part: Part { faces: own.into_iter().map(|face| part.faces[face]).collect(), ..part.clone() },
+            part: Part { faces: unshared.into_iter().map(|face| part.faces[face]).collect(), ..part.clone() },
             shared: shared.into_iter().map(corners).collect(),
         }
     };
@@ -64,8 +65,8 @@ pub(crate) fn part_shared(parts: &[Part], tolerance: f64, longest: f64) -> Vec<O
 /// The shell of each face; one of all, where there are too many to compare.
 fn shell_numbers(part: &Part) -> Vec<usize> {
     let (shells, _) = consistent_shells(&part.faces);
-    let few = shells.iter().all(|shell| (*shell as usize) < MAX_SHELLS);
-    shells.into_iter().map(|shell| if few { shell as usize } else { 0 }).collect()
+    let is_comparable = shells.iter().all(|shell| (*shell as usize) < MAX_SHELLS);
+    shells.into_iter().map(|shell| if is_comparable { shell as usize } else { 0 }).collect()
 }
 
 fn shells_of(part: &Part, numbers: &[usize], longest: f64) -> Vec<Shell> {
@@ -91,10 +92,10 @@ mod tests {
     fn a_side_that_two_boxes_share_is_the_later_ones_alone() {
         let body = block([0.0; 3], [0.01, 0.01, 0.01], Fill::Region(0));
         let insert = block([0.01, -0.001, 0.0], [0.02, 0.012, 0.011], Fill::Region(1));
-        let own = part_shared(&[body, insert], 1e-6, 0.01);
-        assert_eq!((own[0].part.faces.len(), own[0].shared.len()), (10, 2));
-        assert_eq!((own[1].part.faces.len(), own[1].shared.len()), (12, 0));
-        assert!(own[0].shared.iter().flatten().all(|p| p[0] == 0.01));
+        let parts = part_shared(&[body, insert], 1e-6, 0.01);
+        assert_eq!((parts[0].part.faces.len(), parts[0].shared.len()), (10, 2));
+        assert_eq!((parts[1].part.faces.len(), parts[1].shared.len()), (12, 0));
+        assert!(parts[0].shared.iter().flatten().all(|p| p[0] == 0.01));
     }
 
     #[test]
@@ -103,7 +104,7 @@ mod tests {
         let other = block([0.01, 0.0, 0.0], [0.02, 0.01, 0.01], Fill::Region(0));
         body.points.extend(other.points);
         body.faces.extend(other.faces.iter().map(|face| face.map(|n| n + 8)));
-        let own = part_shared(&[body], 1e-6, 0.01);
-        assert_eq!((own[0].part.faces.len(), own[0].shared.len()), (22, 2));
+        let parts = part_shared(&[body], 1e-6, 0.01);
+        assert_eq!((parts[0].part.faces.len(), parts[0].shared.len()), (22, 2));
     }
 }

@@ -17,7 +17,7 @@ use crate::geometry::{distortion, normal, six_volumes};
 /// Times that labels are looked at: each change may make others bad.
 const ROUNDS: usize = 20;
 /// Rounds in which the smallest part around an edge changes sides, whichever it is; then the smallest empty one.
-// Two edges that undo each other's change go on for ever. What is filled stays so: that ends.
+// Two edges that reverse each other's change go on for ever. What is filled stays so: that ends.
 const EITHER: usize = 8;
 
 /// Tetrahedra of a larger distortion have their centroid on the surface when their corners are.
@@ -72,8 +72,8 @@ fn relabel_flat(complex: &mut Complex, tet: u32, allowed: fn(u16) -> bool) -> bo
 /// The same for two of a fold, of which either alone leaves as much area as before; returns whether it did.
 fn unfold_pair(complex: &mut Complex, tet: u32, allowed: fn(u16) -> bool) -> bool {
     let own_label = complex.labels[tet as usize];
-    let equal = other_labels(complex, tet).into_iter().filter(|(gain, label)| *gain == 0 && allowed(*label));
-    for (_, label) in equal.collect::<Vec<_>>() {
+    let equal_labels = other_labels(complex, tet).into_iter().filter(|(gain, label)| *gain == 0 && allowed(*label));
+    for (_, label) in equal_labels.collect::<Vec<_>>() {
         complex.labels[tet as usize] = label;
         let neighbours = sides_of(complex, tet).map(|(_, neighbour)| neighbour);
         let is_flat = |t: &u32| distortion(complex.corners_of(*t)) > FLAT;
@@ -89,14 +89,14 @@ fn unfold_pair(complex: &mut Complex, tet: u32, allowed: fn(u16) -> bool) -> boo
 /// The labels around a tetrahedron that are not its own, each with the sign of the area between unlike labels that it would save.
 fn other_labels(complex: &Complex, tet: u32) -> Vec<(i8, u16)> {
     let own_label = complex.labels[tet as usize];
-    let behind = |neighbour: Option<u32>| neighbour.map_or(OUTSIDE, |t| complex.labels[t as usize]);
-    let sides = sides_of(complex, tet).map(|(area, neighbour)| (area, behind(neighbour)));
+    let label_of = |neighbour: Option<u32>| neighbour.map_or(OUTSIDE, |t| complex.labels[t as usize]);
+    let sides = sides_of(complex, tet).map(|(area, neighbour)| (area, label_of(neighbour)));
     let area_beside = |label: u16| sides.iter().filter(|(_, other)| *other == label).map(|(area, _)| area).sum::<f64>();
-    let whole: f64 = sides.iter().map(|(area, _)| area).sum();
+    let total_area: f64 = sides.iter().map(|(area, _)| area).sum();
     let mut labels: Vec<u16> = sides.iter().map(|(_, label)| *label).filter(|label| *label != own_label).collect();
     labels.sort_unstable();
     labels.dedup();
-    let sign = |saved: f64| if saved.abs() <= EQUAL_AREA * whole { 0 } else { saved.signum() as i8 };
+    let sign = |saved: f64| if saved.abs() <= EQUAL_AREA * total_area { 0 } else { saved.signum() as i8 };
     labels.into_iter().map(|label| (sign(area_beside(label) - area_beside(own_label)), label)).collect()
 }
 

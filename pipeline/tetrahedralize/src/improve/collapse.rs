@@ -98,11 +98,11 @@ impl Improve<'_> {
         link.dedup();
         shared + 2 == link.len() && {
             let ring_edges = self.opposite_edges(ring, [gone, kept]);
-            let apart = |node: u32| {
+            let link_edges = |node: u32| {
                 let tets: Vec<u32> = self.complex.star(node).iter().copied().filter(|t| !ring.contains(t)).collect();
                 self.opposite_edges(&tets, [node; 2])
             };
-            let (gone_edges, kept_edges) = (apart(gone), apart(kept));
+            let (gone_edges, kept_edges) = (link_edges(gone), link_edges(kept));
             let mut common = gone_edges.iter().filter(|edge| kept_edges.binary_search(edge).is_ok());
             common.all(|edge| ring_edges.binary_search(edge).is_ok())
         }
