@@ -1,16 +1,14 @@
 //! A body, inserts and cavities: the surfaces of one solid, each of its own.
 
 use crate::Surface;
-use si::vec3::{add, cross, norm, scale, sub};
+use crate::visibility::{Visibility, triangle_centroid};
+use si::vec3::{add, norm, scale};
 use si::{CubicMetre, Metre, Point3};
 use tetrahedralize::{Fill, Part, Winding};
 
 /// Faces of a part from which it is seen what lies on their two sides.
 const PROBES: usize = 400;
-/// Pieces of a face of which a part is hidden are cut down to this share of an edge.
-// Where faces coincide everything is cut down to it: with 0.05 a wheel of five thousand faces took minutes.
-const HIDDEN: f64 = 0.25;
-/// Probes lie so far off the face, as a share of the part's length or of an edge.
+/// Probes lie so far off the face, as a share of the part's length.
 const DEPTH: f64 = 1e-3;
 
 /// The surfaces of one solid. An insert displaces the body and the inserts before it where both are; a cavity displaces all.
@@ -75,57 +73,19 @@ impl<'a> Assembly<'a> {
         volumes
     }
 
-    /// The parts of the surfaces that bound something, where others lie within a solid or within a cavity; none where all do.
-    pub(crate) fn visible_parts(&self, edge: Metre) -> Option<Surface> {
+    /// What of the surfaces bounds something, where others lie within a solid or within a cavity; none where all do.
+    pub(crate) fn visibility(&self, edge: Metre) -> Option<Visibility> {
         let surfaces = self.surfaces();
-        let space =
-            Space { windings: surfaces.iter().map(|s| surface_winding(s)).collect(), solids: 1 + self.inserts.len() };
-        let depth = DEPTH * edge;
-        let bounds = |corners: [Point3; 3], point: Point3| {
-            let normal = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
-            let offset = scale(normal, depth / norm(normal).max(f64::MIN_POSITIVE));
-            space.part_at(add(point, offset)) != space.part_at(sub(point, offset))
-        };
-        let probed =
-            |s: &&Surface| probe_faces(s).into_iter().all(|f| bounds(s.corners(f), triangle_centroid(s.corners(f))));
-        if surfaces.iter().all(probed) {
-            return None;
-        }
-        let mut visible = Surface::default();
-        let faces = surfaces.iter().flat_map(|s| (0..s.faces.len()).map(|f| s.corners(f)));
-        for face in faces {
-            for piece in visible_pieces(face, &|point| bounds(face, point), [HIDDEN * edge, edge]) {
-                let first = visible.points.len() as u32;
-                visible.points.extend(piece);
-                visible.faces.push([first, first + 1, first + 2]);
-            }
-        }
-        Some(visible)
-    }
-}
-
-/// What fills a place: the last part that holds it.
-struct Space {
-    windings: Vec<Winding>,
-    /// The parts before are solids, the others cavities.
-    solids: usize,
-}
-
-impl Space {
-    fn part_at(&self, point: Point3) -> usize {
-        // Half and not one: the winding number about a surface with gaps is no whole number, and decides by half all
-        // the same.
-        let holding = self.windings.iter().rposition(|w| w.number_at(point) > 0.5);
-        holding.filter(|part| *part < self.solids).unwrap_or(usize::MAX)
+        let windings = surfaces.iter().map(|s| surface_winding(s)).collect();
+        let visibility = Visibility::new(windings, 1 + self.inserts.len(), edge);
+        let is_seen = |corners: [Point3; 3]| visibility.is_seen(corners, triangle_centroid(corners));
+        let is_whole = |s: &&Surface| probe_faces(s).into_iter().all(|f| is_seen(s.corners(f)));
+        (!surfaces.iter().all(is_whole)).then_some(visibility)
     }
 }
 
 fn surface_winding(surface: &Surface) -> Winding {
     Winding::new(&(0..surface.faces.len()).map(|f| surface.corners(f)).collect::<Vec<_>>())
-}
-
-fn triangle_centroid(corners: [Point3; 3]) -> Point3 {
-    scale(corners.into_iter().fold([0.0; 3], add), 1.0 / 3.0)
 }
 
 /// Faces of some area, evenly spaced in their list.
@@ -150,40 +110,11 @@ fn is_simple(surface: &Surface, winding: &Winding) -> bool {
     surface.shells().is_ok() && share_inside(surface, |probe| (winding.number_at(probe) - 1.0).abs() < 0.5) > 0.97
 }
 
-/// The parts of a triangle that are visible: cut in two until they are so as a whole, or shorter than the first length; those longer than the
-/// second are cut in any case.
-fn visible_pieces(
-    face: [Point3; 3],
-    is_visible: &dyn Fn(Point3) -> bool,
-    [shortest, longest]: [Metre; 2],
-) -> Vec<[Point3; 3]> {
-    let (mut visible, mut stack) = (Vec::new(), vec![face]);
-    while let Some(piece) = stack.pop() {
-        let [a, b, c] = piece;
-        let sides = [[a, b, c], [b, c, a], [c, a, b]];
-        let lengths = sides.map(|[p, q, _]| norm(sub(p, q)));
-        let longest_side = (0..3).max_by(|i, j| lengths[*i].total_cmp(&lengths[*j])).unwrap_or(0);
-        let centre = triangle_centroid(piece);
-        // corners are seen from a little within the piece: on an edge of the surface a place has no one side
-        let inner = piece.map(|p| is_visible(add(scale(p, 0.9), scale(centre, 0.1))));
-        let count = inner.into_iter().chain([is_visible(centre)]).filter(|v| *v).count();
-        // Four places of a long piece may all be seen while something narrow hides what lies between them: it is cut in
-        // any case.
-        if lengths[longest_side] > longest || (count % 4 != 0 && lengths[longest_side] > shortest) {
-            let [p, q, tip] = sides[longest_side];
-            let half = scale(add(p, q), 0.5);
-            stack.extend([[p, half, tip], [half, q, tip]]);
-        } else if count == 4 {
-            visible.push(piece);
-        }
-    }
-    visible
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::surface::tests::{block, with_cavity};
+    use crate::visibility::places_of_faces;
 
     #[test]
     fn an_insert_within_a_body_displaces_it_and_one_in_a_pocket_does_not() {
@@ -203,12 +134,17 @@ mod tests {
         crossed.points.extend(&other.points);
         crossed.faces.extend(other.faces.iter().map(|f| f.map(|n| n + 8)));
         let solid = Assembly::of_body(&crossed, None);
-        let visible = solid.visible_parts(2e-3).unwrap();
-        // both surfaces less the ring of the second within the first, and two holes of 10 by 6 mm in the first
-        let area = 1.4e-3 + 1.08e-3 - 3.2e-4 - 1.2e-4;
-        assert!((visible.area() / area - 1.0).abs() < 0.03, "{}", visible.area() / area);
+        let visibility = solid.visibility(2e-3).unwrap();
+        let faces: Vec<[Point3; 3]> = (0..crossed.faces.len()).map(|f| crossed.corners(f)).collect();
+        // how deep a place lies within the first box: the second one's sides do so by 2 mm, and none of it is seen
+        let depth = |p: Point3| (0..3).map(|k| p[k].min([0.03, 0.01, 0.01][k] - p[k])).fold(f64::INFINITY, f64::min);
+        let worst = |faces: &[[Point3; 3]]| visibility.farthest(faces, &depth).unwrap().0;
+        assert!(places_of_faces(&faces, 2e-3).map(|(_, place)| depth(place)).fold(0.0, f64::max) > 1.9e-3);
+        assert!(worst(&faces).abs() < 1e-12, "{}", worst(&faces));
+        // both surfaces are seen beyond the other
+        assert!(visibility.farthest(&faces, &|p| -p[1]).unwrap().0 > 0.0099);
         assert_eq!(solid.expected_volumes(), [None]);
-        assert!(Assembly::of_body(&other, None).visible_parts(2e-3).is_none());
+        assert!(Assembly::of_body(&other, None).visibility(2e-3).is_none());
     }
 
     #[test]

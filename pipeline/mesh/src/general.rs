@@ -9,6 +9,7 @@ use crate::curving::{Curving, curve_middles};
 use crate::foreign::RawMesh;
 use crate::quality::dihedral_quantile;
 use crate::validate::{self, Limits, Reference};
+use crate::visibility::Visibility;
 use crate::{Assembly, Detail, MeshError, QuadraticMesh, Report, Settings, Solid, Surface, TetMesh, quadratic};
 use si::Metre;
 use tetrahedralize::tetrahedralize_watched;
@@ -52,7 +53,7 @@ pub(crate) fn mesh_general(
     let parts = assembly.inserts.iter().map(|s| ("insert", *s)).chain(assembly.cavities.iter().map(|s| ("cavity", *s)));
     let named: Vec<(&'static str, &Surface)> = std::iter::once(("body", assembly.body)).chain(parts).collect();
     check_size(&named, set)?;
-    let visible = assembly.visible_parts(set.edge);
+    let visible = assembly.visibility(set.edge);
     let chosen = best_candidate((assembly, visible.as_ref()), set, request, watch)?;
     let mut solid = quadratic(&chosen.mesh);
     let cavities: Vec<Surface> = assembly.cavities.iter().map(|cavity| turned_surface(cavity)).collect();
@@ -75,7 +76,7 @@ fn general_settings(set: &Settings) -> tetrahedralize::Settings {
 
 /// The first mesh that misses nothing, or the best of all attempts.
 fn best_candidate(
-    (assembly, visible): (&Assembly, Option<&Surface>),
+    (assembly, visible): (&Assembly, Option<&Visibility>),
     set: &Settings,
     mut request: tetrahedralize::Settings,
     watch: &dyn Fn(&str),
@@ -159,7 +160,7 @@ fn closer_settings(request: tetrahedralize::Settings, distance: f64) -> tetrahed
 }
 
 fn mesh_candidate(
-    (assembly, visible): (&Assembly, Option<&Surface>),
+    (assembly, visible): (&Assembly, Option<&Visibility>),
     set: &Settings,
     request: &tetrahedralize::Settings,
     watch: &dyn Fn(&str),
@@ -181,7 +182,7 @@ fn mesh_candidate(
 /// Compares the mesh with its surfaces; the volumes only where these are closed.
 fn candidate_report(
     mesh: &TetMesh,
-    (assembly, visible): (&Assembly, Option<&Surface>),
+    (assembly, visible): (&Assembly, Option<&Visibility>),
     set: &Settings,
 ) -> Result<Report, MeshError> {
     let solid = Solid::Linear(mesh.clone());

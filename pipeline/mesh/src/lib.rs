@@ -59,6 +59,7 @@ pub mod stl;
 mod surface;
 mod tetrahedra;
 mod validate;
+mod visibility;
 pub mod vtu;
 pub mod wall;
 

@@ -63,8 +63,7 @@ impl Measures {
     pub fn new(mesh: &TetMesh, assembly: &Assembly, edge: Metre) -> Self {
         let interface_sides = faces_between_regions(mesh);
         let faces: Vec<[u32; 3]> = interface_sides.iter().map(|(face, _)| *face).collect();
-        let [there, back] =
-            hausdorff_distances(mesh, &faces, &assembly.surfaces(), assembly.visible_parts(edge).as_ref());
+        let [there, back] = hausdorff_distances(mesh, &faces, &assembly.surfaces(), assembly.visibility(edge).as_ref());
         let angles = (0..mesh.tets.len()).map(|tet| dihedral_angles(&mesh.corners(tet)).0 / LARGEST_LEAST_ANGLE);
         let jacobians: Vec<f64> = (0..mesh.tets.len()).map(|tet| scaled_jacobian(&mesh.corners(tet))).collect();
         Self {

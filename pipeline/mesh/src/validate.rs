@@ -3,6 +3,7 @@
 use crate::distance::Nearest;
 use crate::quality::dihedral_range;
 use crate::tetrahedra::FACES;
+use crate::visibility::{Visibility, face_samples};
 use crate::{BODY, SPINE, Skin, Surface, TetMesh, quadratic};
 use si::vec3::{cross, dot, norm, sub};
 use si::{CubicMetre, Metre, Point3, SquareMetre};
@@ -102,7 +103,7 @@ pub(crate) struct Reference<'a> {
     /// Inner volumes by chamber, m³.
     pub cavities: &'a [CubicMetre],
     /// What of the surfaces the mesh is to show, where it is not all.
-    pub visible: Option<&'a Surface>,
+    pub visible: Option<&'a Visibility>,
 }
 
 /// Limits of the validation.
@@ -227,7 +228,7 @@ pub(crate) fn hausdorff_distances(
     mesh: &TetMesh,
     interface: &[[u32; 3]],
     surfaces: &[&Surface],
-    visible: Option<&Surface>,
+    visible: Option<&Visibility>,
 ) -> [(Metre, Point3); 2] {
     let skin = mesh.skin.iter().filter(|f| f.on != Skin::Symmetry).map(|f| f.nodes);
     let mesh_faces: Vec<[Point3; 3]> =
@@ -238,23 +239,20 @@ pub(crate) fn hausdorff_distances(
         surface_faces.filter(|c| !mesh.half || c.iter().any(|p| p[2] >= 0.0)).collect();
     let (to_own, to_given) = (Nearest::new(mesh_faces.clone()), Nearest::new(surface_faces.clone()));
     let fold = |p: Point3| if mesh.half { [p[0], p[1], p[2].abs()] } else { p };
-    let worst = |distances: &mut dyn Iterator<Item = (Metre, Point3)>| {
-        distances.fold((0.0, [0.0; 3]), |worst, d| if d.0 > worst.0 { d } else { worst })
+    let distance = |nearest: &Nearest, point: Point3| nearest.find(point).map_or(f64::INFINITY, |hit| hit.distance);
+    let farthest = |nearest: &Nearest, faces: &[[Point3; 3]], fold: &dyn Fn(Point3) -> Point3| {
+        let samples = faces.iter().flat_map(|face| face_samples(*face)).map(fold);
+        samples
+            .map(|s| (distance(nearest, s), s))
+            .fold((0.0, [0.0; 3]), |worst, d| if d.0 > worst.0 { d } else { worst })
     };
-    let shown = visible.map(|surface| (0..surface.faces.len()).map(|f| surface.corners(f)).collect::<Vec<_>>());
-    [
-        worst(&mut shown.as_ref().unwrap_or(&surface_faces).iter().map(|c| farthest_sample(&to_own, c, fold))),
-        worst(&mut mesh_faces.iter().map(|c| farthest_sample(&to_given, c, |p| p))),
-    ]
-}
-
-fn farthest_sample(nearest: &Nearest, &[a, b, c]: &[Point3; 3], fold: impl Fn(Point3) -> Point3) -> (Metre, Point3) {
-    let middle = |p: Point3, q: Point3| [0, 1, 2].map(|k| (p[k] + q[k]) / 2.0);
-    let centre = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
-    // Seven places: corners alone of a coarse face that spans a dent lie on the surface, and would show no distance.
-    let samples = [a, b, c, middle(a, b), middle(b, c), middle(c, a), centre].map(fold);
-    let distance = |point: Point3| nearest.find(point).map_or(f64::INFINITY, |hit| hit.distance);
-    samples.into_iter().map(|s| (distance(s), s)).fold((0.0, a), |worst, d| if d.0 > worst.0 { d } else { worst })
+    let to_mesh = match visible {
+        Some(visibility) => {
+            visibility.farthest(&surface_faces, &|p| distance(&to_own, fold(p))).unwrap_or((0.0, [0.0; 3]))
+        }
+        None => farthest(&to_own, &surface_faces, &fold),
+    };
+    [to_mesh, farthest(&to_given, &mesh_faces, &|p| p)]
 }
 
 #[cfg(test)]
