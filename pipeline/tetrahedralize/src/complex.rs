@@ -167,3 +167,42 @@ impl Complex {
         (on_surface, faces)
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A grid of cubes, six tetrahedra each, labelled by cube; z of its levels.
+    pub(crate) fn cubes(counts: [usize; 2], levels: &[f64], label: impl Fn([usize; 3]) -> u16) -> Complex {
+        let number = |[i, j, k]: [usize; 3]| ((k * (counts[1] + 1) + j) * (counts[0] + 1) + i) as u32;
+        let place = |i: usize, j: usize, z: f64| -> Point3 { [i as f64, j as f64, z] };
+        let rows = |z: f64| (0..=counts[1]).flat_map(move |j| (0..=counts[0]).map(move |i| place(i, j, z)));
+        let points = levels.iter().flat_map(|z| rows(*z)).collect();
+        let (mut tets, mut labels) = (Vec::new(), Vec::new());
+        for cube in
+            (0..levels.len() - 1).flat_map(|k| (0..counts[1]).flat_map(move |j| (0..counts[0]).map(move |i| [i, j, k])))
+        {
+            for path in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [1, 0, 2], [0, 2, 1], [2, 1, 0]] {
+                let mut corner = cube;
+                let mut nodes = [number(cube); 4];
+                for (node, axis) in nodes[1..].iter_mut().zip(path) {
+                    corner[axis] += 1;
+                    *node = number(corner);
+                }
+                // three of the six paths turn the other way
+                if path[1] != (path[0] + 1) % 3 {
+                    nodes.swap(0, 1);
+                }
+                tets.push(nodes);
+                labels.push(label(cube));
+            }
+        }
+        Complex::new(points, tets, labels)
+    }
+
+    #[test]
+    fn a_grid_of_cubes_has_a_volume_of_one_each_and_faces_between_unlike_labels_on_both_sides() {
+        let complex = cubes([2, 1], &[0.0, 1.0], |[i, ..]| i as u16);
+        assert_eq!((complex.living_tets().count(), complex.whole_skin().1.len()), (12, 22));
+    }
+}

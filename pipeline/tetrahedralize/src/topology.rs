@@ -223,3 +223,48 @@ fn change_least_part(complex: &mut Complex, edge: [u32; 2], either: bool) {
     let label = if solid(least[0]) { OUTSIDE } else { filling };
     least.into_iter().for_each(|t| complex.labels[t as usize] = label);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::complex::tests::cubes;
+
+    fn volume_of(complex: &Complex, label: u16) -> f64 {
+        complex.living_tets().filter(|t| complex.labels[*t as usize] == label).map(|t| tet_volume(complex, t)).sum()
+    }
+
+    #[test]
+    fn a_layer_thinner_than_a_speck_vanishes_and_a_thicker_one_stays() {
+        for (thickness, left) in [(0.01, 0.0), (0.1, 0.9)] {
+            // label 1 in all cubes of the middle level but those at the rim
+            let inner = |[i, j, k]: [usize; 3]| u16::from(k == 1 && (1..4).contains(&i) && (1..4).contains(&j));
+            let mut complex = cubes([5, 5], &[0.0, 1.0, 1.0 + thickness, 2.0], inner);
+            assert!((volume_of(&complex, 1) - 9.0 * thickness).abs() < 1e-12);
+            clean_labels(&mut complex, Speck { volume: 0.0, thickness: 0.05 });
+            assert!((volume_of(&complex, 1) - left).abs() < 1e-12, "{thickness}: {}", volume_of(&complex, 1));
+        }
+    }
+
+    #[test]
+    fn two_solids_that_meet_in_an_edge_are_joined_by_faces_afterwards() {
+        let checkered = |[i, j, _]: [usize; 3]| if (i + j) % 2 == 0 { 3 } else { OUTSIDE };
+        let mut complex = cubes([4, 4], &[0.0, 1.0, 2.0, 3.0], checkered);
+        assert_eq!(crowded_edges(&complex).len(), 27);
+        clean_labels(&mut complex, Speck { volume: 0.0, thickness: 0.0 });
+        assert!(crowded_edges(&complex).is_empty());
+    }
+
+    #[test]
+    fn of_the_parts_around_an_edge_the_least_empty_one_is_filled_in_the_end() {
+        let checkered = |[i, j, _]: [usize; 3]| if i == j { 3 } else { OUTSIDE };
+        for (either, solid) in [(true, false), (false, true)] {
+            let mut complex = cubes([2, 2], &[0.0, 1.0], checkered);
+            // a solid cube narrower than the empty ones
+            complex.points.iter_mut().for_each(|p| p.iter_mut().take(2).for_each(|x| *x = x.max(0.9)));
+            let before = volume_of(&complex, 3);
+            let edge = crowded_edges(&complex)[0];
+            change_least_part(&mut complex, edge, either);
+            assert_eq!(volume_of(&complex, 3) > before, solid, "{before} {}", volume_of(&complex, 3));
+        }
+    }
+}

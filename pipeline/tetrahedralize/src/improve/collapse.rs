@@ -169,3 +169,29 @@ impl Improve<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::complex::tests::cubes;
+    use crate::envelope::Envelope;
+    use crate::tree::Tree;
+
+    #[test]
+    fn an_edge_across_a_strip_of_another_label_is_kept_since_the_label_around_it_would_pinch() {
+        let follows = |strip: u16, edge: [u32; 2]| {
+            // three rows of cubes, the middle one of another label, all of it on the skin
+            let complex = cubes([5, 3], &[0.0, 1.0], |[_, j, _]| if j == 1 { strip } else { 0 });
+            let count = complex.points.len();
+            let (on_skin, envelope) = (complex.whole_skin().0, Envelope::new(&[], 1.0));
+            let (lines, corners) = (Tree::new(&[]), Tree::new(&[]));
+            let (size, slack) = (vec![1.0; count], vec![1.0; count]);
+            Improve { complex, size, slack, on_skin, envelope: &envelope, lines, corners }
+                .boundaries_follow(edge[0], edge[1])
+        };
+        // on the upper side, whose first node is 24, with rows of six
+        let (across, along) = ([24 + 6 + 2, 24 + 12 + 2], [24 + 6 + 2, 24 + 6 + 3]);
+        assert!(follows(0, across) && follows(1, along));
+        assert!(!follows(1, across));
+    }
+}
