@@ -34,8 +34,9 @@ STUDY = Path(sys.argv[1])
 PRESSURE, MODULUS, RATIO = 2e3, 1e5, 0.45
 #: Angle between triangles from which gmsh takes their edge for one of the body, rad.
 CREASE = 0.7
-#: Length of gmsh's edges over ours: it has one element through a wall of that length, where ours are sized by the wall.
-GMSH_EDGE = 0.4
+#: Length of gmsh's edges over ours: it has one element through a wall of that length, where ours are sized by the wall; the shorter ones say how
+#: far the longer ones are from their limit.
+GMSH_EDGES = [0.4, 0.33]
 #: Edges that take from some fifteen to some five hundred thousand elements, m.
 GROWTH_EDGES = [4e-3, 1.8e-3, 1e-3, 0.72e-3]
 
@@ -128,8 +129,8 @@ def by_softfish(body: Body, folder: Path) -> Path:
     return out
 
 
-def by_gmsh(body: Body, folder: Path) -> Path:
-    """The same of gmsh's, on its own parametrisation of the triangles."""
+def by_gmsh(body: Body, folder: Path, edge: float = GMSH_EDGES[0]) -> Path:
+    """The same of gmsh's, on its own parametrisation of the triangles, with edges of so much of the body's."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     for name, surface in [("skin", body.skin), ("chamber", body.chamber)]:
@@ -144,8 +145,8 @@ def by_gmsh(body: Body, folder: Path) -> Path:
     loops = [gmsh.model.geo.addSurfaceLoop(part) for part in (skin, [tag for tag in surfaces if tag not in skin])]
     gmsh.model.geo.addVolume(loops)
     gmsh.model.geo.synchronize()
-    gmsh.option.setNumber("Mesh.MeshSizeMax", 1e3 * GMSH_EDGE * body.edge)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", 0.5e3 * GMSH_EDGE * body.edge)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 1e3 * edge * body.edge)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 0.5e3 * edge * body.edge)
     gmsh.option.setNumber("Mesh.Optimize", 1)
     gmsh.model.mesh.generate(3)
     # of curved elements of the triangles' parametrisation some are inverted
@@ -155,6 +156,11 @@ def by_gmsh(body: Body, folder: Path) -> Path:
     gmsh.write(str(folder / "gmsh.msh"))
     gmsh.finalize()
     return folder / "gmsh.msh"
+
+
+def by_fine_gmsh(body: Body, folder: Path) -> Path:
+    """The same with the shorter edges."""
+    return by_gmsh(body, folder, GMSH_EDGES[1])
 
 
 def by_tetgen(body: Body, folder: Path) -> Path:
@@ -262,7 +268,7 @@ def main() -> None:
     for body in BODIES:
         with tempfile.TemporaryDirectory() as scratch:
             ours = 0.0
-            for mesher in (by_softfish, by_gmsh, by_tetgen, by_ftetwild):
+            for mesher in (by_softfish, by_gmsh, by_fine_gmsh, by_tetgen, by_ftetwild):
                 name, began = mesher.__name__.removeprefix("by_"), processor_seconds()
                 try:
                     mesh = mesher(body, Path(scratch))
