@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::quality::dihedral_quantile;
 use crate::{
-    Assembly, Curving, Detail, Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, mesh,
-    mesh_general, mesh_in_hexahedra, mesh_without_sheet, quadratic,
+    Assembly, Curving, Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, mesh, mesh_general,
+    mesh_in_hexahedra, mesh_without_sheet, quadratic,
 };
 
 /// Columns whose volumes differ by more from the surfaces' give way to the general method, which follows round sides more closely.
@@ -13,7 +13,7 @@ const AUTO_VOLUME: f64 = 5e-3;
 
 /// So do those with a smaller angle in any element, and in more than one of a thousand, degrees: a solver takes them, but at the price of its
 /// conditioning.
-// Those of the study's tails have 1.4° and more; where layers part at a round side, 0.01°.
+// Columns of the study's tails have 1.4° and more; where layers part at a round side, 0.01°.
 const AUTO_ANGLE: f64 = 1.0;
 const AUTO_USUAL_ANGLE: f64 = 5.0;
 /// And those farther from the surfaces than this part of an edge.
@@ -107,9 +107,9 @@ pub fn mesh_chosen(
 /// [`MeshError`] of the surfaces, which names the part and the place.
 pub fn mesh_assembly(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Result<Chosen, MeshError> {
     match set.method {
-        Method::Columns if set.detail != Detail::default() => Err(MeshError::Detail),
+        Method::Columns if !set.detail.is_usual() => Err(MeshError::Detail),
         Method::Columns => mesh_columns(assembly, set),
-        Method::Auto if set.detail != Detail::default() => {
+        Method::Auto if !set.detail.is_usual() => {
             Ok(Chosen { not_columns: Some(MeshError::Detail), ..mesh_anything(assembly, set, watch)? })
         }
         Method::General => mesh_anything(assembly, set, watch),
@@ -122,7 +122,7 @@ fn mesh_either(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Res
     // A limit closer than the columns' own: those of a round bellows were 0.53 % short of its volume and passed theirs
     // of 2 %.
     let close = Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set };
-    let why = match mesh_columns(assembly, &close).and_then(|chosen| refuse_poor(chosen, assembly, set)) {
+    let why = match mesh_columns(assembly, &close).and_then(|chosen| refuse_poor(chosen, set)) {
         Ok(chosen) => return Ok(chosen),
         // the general method would take as much
         Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => return Err(why),
@@ -139,18 +139,18 @@ fn mesh_either(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Res
 }
 
 /// Columns as they are, unless their elements or their distance from the body are worse than the general method's.
-///
-/// Beside a sheet layers are flat on purpose, and only what a solver would feel is refused.
-fn refuse_poor(chosen: Chosen, assembly: &Assembly, set: &Settings) -> Result<Chosen, MeshError> {
+fn refuse_poor(chosen: Chosen, set: &Settings) -> Result<Chosen, MeshError> {
     let Report { min_dihedral_deg, hausdorff_m, .. } = chosen.report;
     if min_dihedral_deg < AUTO_ANGLE {
         return Err(MeshError::Slivers { degrees: min_dihedral_deg, limit: AUTO_ANGLE });
     }
+    // Layers beside a sheet are flat on purpose, and bend alike at a third of the time; one contract for every body that
+    // is meshed is worth more, and who wants columns asks for them.
     let usual_angle = dihedral_quantile(&chosen.solid.clone().into_corners(), 1e-3);
-    if assembly.inserts.is_empty() && usual_angle < AUTO_USUAL_ANGLE {
+    if usual_angle < AUTO_USUAL_ANGLE {
         return Err(MeshError::Slivers { degrees: usual_angle, limit: AUTO_USUAL_ANGLE });
     }
-    if assembly.inserts.is_empty() && hausdorff_m > AUTO_DISTANCE * set.edge {
+    if hausdorff_m > AUTO_DISTANCE * set.edge {
         return Err(MeshError::Far { distance: hausdorff_m, limit: AUTO_DISTANCE * set.edge });
     }
     Ok(chosen)
