@@ -17,7 +17,8 @@ pub enum Method {
 }
 
 /// What the general method is asked for besides the length of edges; columns follow their own rules.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Detail {
     /// Largest distance between the surfaces and the mesh's, m; 2 % of an edge where there is none.
     pub envelope: Option<Metre>,
@@ -25,4 +26,11 @@ pub struct Detail {
     pub smallest: Option<Metre>,
     /// Elements through a wall, as far as edges are not shorter than the shortest; one, five times as wide as the wall is thick, where there is none.
     pub layers: Option<u32>,
+}
+
+impl Detail {
+    /// Whether nothing is asked for.
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
 }

@@ -121,11 +121,20 @@ class Mesh(Sealed):
         cavities: Sequence[Any] = (),
         names: Mapping[int, str] | None = None,
         method: Method = "auto",
+        envelope: float | None = None,
+        smallest: float | None = None,
+        layers: int | None = None,
     ) -> Mesh:
         """Quadratic tetrahedra in a body, with edges of the length `edge` (m): region 0, `inserts` that displace it regions 1, 2, …, `cavities`
         empty. A surface is a pair (points × 3 in m, faces × 3), a `trimesh.Trimesh` or a `pyvista.PolyData`; gaps, holes and faces that look the
-        wrong way are repaired, see `repairs`. `method`: in columns, the general one, or columns where they divide the body."""
-        made = meshed(body, (inserts, cavities), edge, method)
+        wrong way are repaired, see `repairs`. `method`: in columns, the general one, or columns where they divide the body. `envelope`: largest
+        distance from the surfaces (m; 2 % of an edge where it is left out); `smallest`: shortest edges (m; a sixteenth); `layers`: elements
+        through a wall (1 to 8; one, five times as wide as the wall is thick). With these three `auto` is the general method."""
+        for name, length in (("envelope", envelope), ("smallest", smallest)):
+            if length is not None:
+                within(name, length, 1e-6, 1.0)
+        count = None if layers is None else whole("layers", layers, 1, 8)
+        made = meshed(body, (inserts, cavities), edge, (method, (envelope, smallest, count)))
         mesh = cls(made["nodes"].reshape(-1, 3), made["elements"].reshape(-1, 10), made["regions"], names=names)
         mesh.repairs = tuple(made["repairs"])
         return mesh

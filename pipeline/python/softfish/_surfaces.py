@@ -34,7 +34,13 @@ def triangles(name: str, surface: Any) -> tuple[Array, IntArray]:
     return places, corners
 
 
-def meshed(body: Any, parts: tuple[Sequence[Any], Sequence[Any]], edge: float, method: Method) -> MeshedSurfaces:
+#: Envelope (m), shortest edges (m) and elements through a wall, each as it is asked for or not.
+Detail: TypeAlias = tuple[float | None, float | None, int | None]
+
+
+def meshed(
+    body: Any, parts: tuple[Sequence[Any], Sequence[Any]], edge: float, how: tuple[Method, Detail]
+) -> MeshedSurfaces:
     """The tetrahedra that a body, its inserts and its cavities enclose."""
     inserts, cavities = parts
 
@@ -49,5 +55,5 @@ def meshed(body: Any, parts: tuple[Sequence[Any], Sequence[Any]], edge: float, m
             [given(f"cavities[{n}]", one) for n, one in enumerate(cavities)],
         ),
         edge,
-        method,
+        how,
     )

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use ::mesh::Skin;
 use ::mesh::foreign::{ForeignMesh, HexahedralMesh, NamedSurface, RawMesh, Region};
-use ::mesh::{ElementName, Method};
+use ::mesh::{Detail, ElementName, Method};
 use diagnostics::Diagnostic;
 use fem::Elements;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -375,6 +375,7 @@ fn file_source(unit: Unit, order: Option<u8>, half: bool) -> Source {
         order,
         elements: ElementName::default(),
         method: Method::Auto,
+        detail: Detail::default(),
         half,
         finer: 1.0,
     }

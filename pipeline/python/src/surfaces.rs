@@ -1,6 +1,6 @@
 //! Bodies from closed surfaces that are arrays: a body, inserts that displace it, and cavities.
 
-use mesh::{Assembly, Method, QuadraticElements, Settings, Surface, mesh_assembly};
+use mesh::{Assembly, Detail, Method, QuadraticElements, Settings, Surface, mesh_assembly};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,6 +12,9 @@ use diagnostics::Diagnostic;
 
 /// Corners, 3 numbers each, m, and three corner numbers a face.
 type Triangles<'py> = (Reals<'py>, Vec<i64>);
+
+/// Envelope and shortest edges, m, and elements through a wall, each where it is asked for.
+type Detailed = (Option<f64>, Option<f64>, Option<u32>);
 
 fn closed_surface((points, faces): &Triangles<'_>) -> PyResult<Surface> {
     // length: Python hands over points × 3 and faces × 3
@@ -30,19 +33,21 @@ pub(crate) fn mesh_surfaces<'py>(
     py: Python<'py>,
     parts: (Triangles<'py>, Vec<Triangles<'py>>, Vec<Triangles<'py>>),
     edge: f64,
-    method: &str,
+    how: (String, Detailed),
 ) -> PyResult<Bound<'py, PyDict>> {
-    let method = match method {
+    let (method, (envelope, smallest, layers)) = how;
+    let method = match method.as_str() {
         "columns" => Method::Columns,
         "general" => Method::General,
         _ => Method::Auto,
     };
+    let detail = Detail { envelope, smallest, layers };
     let body = closed_surface(&parts.0)?;
     let inserts = parts.1.iter().map(closed_surface).collect::<PyResult<Vec<_>>>()?;
     let cavities = parts.2.iter().map(closed_surface).collect::<PyResult<Vec<_>>>()?;
     let chosen = run_watched(py, move |_| {
         let assembly = Assembly { body: &body, inserts: inserts.iter().collect(), cavities: cavities.iter().collect() };
-        let settings = Settings { method, use_symmetry: false, ..Settings::new(edge) };
+        let settings = Settings { method, use_symmetry: false, detail, ..Settings::new(edge) };
         mesh_assembly(&assembly, &settings, &|_| ()).map_err(|e| of_diagnostic(&Diagnostic::from(e), Kind::Mesh))
     })?;
     let mesh = chosen.solid;

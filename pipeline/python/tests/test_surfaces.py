@@ -43,6 +43,17 @@ def test_objects_of_other_packages_are_taken_and_dirt_is_reported() -> None:
     assert mesh.repairs and "turned" in mesh.repairs[0]
 
 
+def test_a_plate_has_as_many_elements_through_it_as_are_asked_for() -> None:
+    points, faces = block(0.0, 0.02)
+    plate = points * np.array([1.0, 1.0, 0.1]), faces
+    meshes = [sf.Mesh.from_surfaces(plate, 5e-3, layers=layers) for layers in (1, 2)]
+    inner = [np.count_nonzero(np.abs(mesh.nodes[np.unique(mesh.elements[:, :4]), 2] - 1e-3) < 8e-4) for mesh in meshes]
+    assert inner[1] > 3 * inner[0] + 50
+    for wrong in ({"layers": 0}, {"envelope": -1e-4}, {"smallest": 0.0}, {"layers": 2, "method": "columns"}):
+        with pytest.raises(sf.Error):
+            sf.Mesh.from_surfaces(plate, 5e-3, **wrong)
+
+
 @pytest.mark.parametrize(
     ("body", "words"),
     [("body.stl", "pair of arrays"), ((np.zeros((4, 2)), np.zeros((4, 3), int)), "three columns"), ((np.zeros((4, 3)), [[0, 1, 9]]), "corner")],

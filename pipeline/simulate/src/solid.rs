@@ -109,7 +109,8 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let edge = mesh.edge.unwrap_or_default() / mesh.finer;
     let choice = mesh.elements.graded(Grading::COARSE.finer(mesh.finer));
     let meshed = |use_symmetry: bool| {
-        let set = mesh::Settings { use_symmetry, method: mesh.method, ..mesh::Settings::new(edge) };
+        let set =
+            mesh::Settings { use_symmetry, method: mesh.method, detail: mesh.detail, ..mesh::Settings::new(edge) };
         let files: Vec<&str> = mesh.body.iter().chain(&mesh.spine).map(String::as_str).collect();
         mesh::mesh_chosen(&body, spine.as_ref(), &set, choice)
             .map_err(|e| Diagnostic::from(e).while_doing(files.join(" with ")))

@@ -1,7 +1,7 @@
 //! What a mesh would take, estimated from its surfaces before memory is taken for it.
 
 use super::{MeshError, Settings};
-use crate::Surface;
+use crate::{Detail, Surface};
 
 /// Elements at most: a hundred times the finest tail of the study; ten times more than can be solved in 24 GiB.
 const MAX_ELEMENTS: f64 = 5e6;
@@ -21,7 +21,10 @@ pub(crate) fn check_size(parts: &[(&'static str, &Surface)], set: &Settings) -> 
     }
     let Settings { edge, tolerance, volume_limit, distance_limit, .. } = *set;
     let numbers = [("edge", edge), ("tolerance", tolerance), ("volume_limit", volume_limit)];
-    for (name, value) in numbers.into_iter().chain([("distance_limit", distance_limit)]) {
+    let Detail { envelope, smallest, layers } = set.detail;
+    let asked = [("envelope", envelope), ("smallest", smallest), ("layers", layers.map(f64::from))];
+    let asked = asked.into_iter().filter_map(|(name, value)| Some((name, value?)));
+    for (name, value) in numbers.into_iter().chain([("distance_limit", distance_limit)]).chain(asked) {
         if !(value > 0.0 && value.is_finite()) {
             return Err(MeshError::Settings { name, value });
         }

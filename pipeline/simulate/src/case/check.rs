@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use lab::range::{Checked, violation, within};
+use lab::range::{Checked, within};
 
 use crate::budget::Budget;
 
-use super::{
-    ArcLength, Case, Chamber, Clamp, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave,
-};
+use super::check_source::check_source;
+use super::rule::require;
+use super::{ArcLength, Case, Chamber, Clamp, Dynamic, History, Load, Mass, Output, Place, Region, Static, Wave};
 
 /// Largest pressure, Pa.
 const PRESSURE: f64 = 1e8;
@@ -39,13 +39,6 @@ pub(super) fn check_case(case: &Case) -> Checked {
 
 fn check_each<T>(table: &str, list: &[T], check: impl Fn(&str, &T) -> Checked) -> Checked {
     list.iter().enumerate().try_for_each(|(i, one)| check(&format!("{table}.{i}"), one))
-}
-
-fn check_source(mesh: &Source) -> Checked {
-    let surfaces = [mesh.body.is_some(), mesh.edge.is_some()];
-    let either = surfaces == [mesh.file.is_none(); 2] && (mesh.file.is_none() || mesh.spine.is_none());
-    require("mesh", either, "[mesh] has file alone, or body and edge together, and spine where there is one")?;
-    mesh.edge.map_or(Ok(()), |edge| within("mesh.edge", edge, 1e-5..=1.0, "m"))
 }
 
 fn check_region(key: &str, region: &Region) -> Checked {
@@ -283,14 +276,6 @@ fn check_names(case: &Case) -> Checked {
 
 fn check_vector(key: &str, value: &[f64; 3], limit: f64, unit: &str) -> Checked {
     value.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -limit..=limit, unit))
-}
-
-fn require(key: &str, holds: bool, rule: &str) -> Checked {
-    if holds {
-        return Ok(());
-    }
-    let message = format!("`{key}` cannot be followed");
-    violation(key, message, rule, "correct the entry")
 }
 
 #[cfg(test)]

@@ -3,13 +3,15 @@
 //! Every key with its unit: [`keys`], which `study simulate --help` shows.
 
 mod check;
+mod check_source;
 mod history;
 mod loads;
 mod read;
+mod rule;
 mod solve;
 
 use crate::budget::Budget;
-use mesh::{ElementName, Method};
+use mesh::{Detail, ElementName, Method};
 use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point3, Second};
 
@@ -104,6 +106,9 @@ pub struct Source {
     /// How tetrahedra are made from STL files; in columns where they divide the body, else by the general method, when it is not said.
     #[serde(default = "automatic")]
     pub method: Method,
+    /// What the general method is asked for besides.
+    #[serde(default)]
+    pub detail: Detail,
     /// Whether the half z ≥ 0 of a symmetric body is simulated.
     #[serde(default)]
     pub half: bool,

@@ -10,6 +10,7 @@ mod clamps;
 mod groups;
 mod loads;
 mod path;
+mod surfaces;
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -381,44 +382,6 @@ fn a_region_without_material_is_named() {
     let begin = BALL.find("[[clamp]]").unwrap();
     let error = solve("no_material", &(BALL[..end].to_owned() + &BALL[begin..])).map(|_| ()).unwrap_err();
     assert!(error.contains("region `stiff`, tag 3 has 0 materials"), "{error}");
-}
-
-#[test]
-fn two_surfaces_are_meshed_and_simulated() {
-    let tests = folder("surfaces_cad");
-    let (body, spine) = tail_cad::Tail::nine_chambers().solids(3e-3).unwrap();
-    std::fs::write(tests.join("body.stl"), mesh::stl::write(&body, 1e-3, "body")).unwrap();
-    std::fs::write(tests.join("spine.stl"), mesh::stl::write(&spine, 1e-3, "spine")).unwrap();
-    let region = |name: &str, modulus: f64| {
-        format!(
-            "[[region]]\nname = \"{name}\"\nmaterial = \"corotated\"\nyoungs_modulus = {modulus:e}\npoissons_ratio = 0.3\n\
-             density = 1070.0\n"
-        )
-    };
-    let quoted_path = |name: &str| format!("\"{}\"", tests.join(name).display());
-    let case = format!(
-        "[mesh]\nbody = {}\nspine = {}\nedge = 0.008\nunit = \"mm\"\nhalf = true\norder = \"linear\"\n{}{}\
-         [[clamp]]\nplane = {{ x = 0.0 }}\n[[chamber]]\nnumber = 0\npressure = 1e3\n[static]\n",
-        quoted_path("body.stl"),
-        quoted_path("spine.stl"),
-        region("body", 2e5),
-        region("spine", 1e9),
-    );
-    let (summary, table) = solve("surfaces", &case).unwrap();
-    assert!(summary.dofs > 1000);
-    assert!(table.column("chamber_0_volume_m3")[0] > 1e-6);
-    // tetrahedra lock in the walls: they swell less, the more so the coarser they are
-    let swelling = |name: &str, elements: &str, edge: &str| {
-        let case = case.replace("edge = 0.008", edge).replace("order = \"linear\"", elements);
-        let (_, table) = solve(name, &case.replace("[static]", "[static]\nlevels = [1e-9, 1.0]")).unwrap();
-        let volume = table.column("chamber_0_volume_m3");
-        (volume[0], volume[1] / volume[0] - 1.0)
-    };
-    let hexahedra = swelling("surfaces_hexahedra", "elements = \"hexahedra\"", "edge = 0.008");
-    let [coarse, fine] =
-        ["edge = 0.008", "edge = 0.004"].map(|edge| swelling("surfaces_tetrahedra", "order = \"quadratic\"", edge));
-    assert!((hexahedra.0 / fine.0 - 1.0).abs() < 0.01, "{hexahedra:?} {fine:?}");
-    assert!(coarse.1 < fine.1 && fine.1 < hexahedra.1 && hexahedra.1 < 1.1 * fine.1, "{hexahedra:?} {fine:?}");
 }
 
 #[test]
