@@ -153,7 +153,7 @@ pub enum Command {
     /// `softfish.ReducedModel.load` steps it. It is checked against the whole body at points drawn from the ranges.
     Reduce(ReduceCase),
     /// Mesh closed surfaces: a body with inserts that displace it, and cavities, each in an STL file, become quadratic tetrahedra with regions and
-    /// chambers. Prints a report; columns are taken where they divide the body, else the general method, which takes any closed surface.
+    /// chambers. Prints a report; columns are taken where they divide the body in elements of 5° and more, else the general method, which takes any closed surface.
     Mesh(MeshSurfaces),
     /// Identify a body from a free vibration test: Young's modulus from its static deflection, damping from the decay. A TOML file
     /// names recordings, markers and a case. The frequency and the first amplitude are then predicted. A file with test = "inflation"

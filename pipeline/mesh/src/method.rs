@@ -12,7 +12,7 @@ pub enum Method {
     Columns,
     /// By insertion of the surfaces into Delaunay tetrahedra: any closed surfaces.
     General,
-    /// In columns where they divide the body, else by the general method.
+    /// In columns where they divide the body in elements of 5° and more, else by the general method.
     Auto,
 }
 

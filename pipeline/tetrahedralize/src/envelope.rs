@@ -9,7 +9,7 @@ use crate::tree::{Nearest, Tree};
 /// A triangle is sampled at most so finely: 18 points beside its corners.
 const MAX_PARTS: f64 = 5.0;
 /// Triangles are cut no further when there are so many.
-const MAX_TRIANGLES: usize = 2_000_000;
+pub(crate) const MAX_TRIANGLES: usize = 2_000_000;
 /// Opposite walls are those whose normals differ by less than 50° from being parallel.
 const PARALLEL: f64 = 0.64;
 /// Widths are measured from so far off a node, as a share of its distance from the face's middle.
@@ -26,19 +26,11 @@ impl Envelope {
     /// Of triangles that are cut into parts with sides up to a length: boxes around the slivers of a long cylinder overlap, and a search of them
     /// looks at most.
     pub(crate) fn new(triangles: &[[Point3; 3]], longest: f64) -> Self {
-        let (mut parts, mut normals) = (Vec::new(), Vec::new());
+        let (mut parts, mut normals): (Vec<[Point3; 3]>, Vec<Point3>) = (Vec::new(), Vec::new());
         for corners in triangles {
             let upwards = unit(normal(*corners));
-            let mut stack = vec![*corners];
-            while let Some(part) = stack.pop() {
-                match cut_halves(part, longest) {
-                    Some(halves) if parts.len() < MAX_TRIANGLES => stack.extend(halves),
-                    _ => {
-                        parts.push(part);
-                        normals.push(upwards);
-                    }
-                }
-            }
+            parts.extend(cut_pieces(*corners, longest, MAX_TRIANGLES.saturating_sub(parts.len())));
+            normals.resize(parts.len(), upwards);
         }
         Self { tree: Tree::new(&parts), normals }
     }
@@ -82,6 +74,18 @@ impl Envelope {
             _ => f64::INFINITY,
         }
     }
+}
+
+/// Pieces of a triangle with sides up to a length; from so many pieces on they are cut no further.
+pub(crate) fn cut_pieces(face: [Point3; 3], longest: f64, limit: usize) -> Vec<[Point3; 3]> {
+    let (mut pieces, mut stack) = (Vec::new(), vec![face]);
+    while let Some(piece) = stack.pop() {
+        match cut_halves(piece, longest) {
+            Some(halves) if pieces.len() < limit => stack.extend(halves),
+            _ => pieces.push(piece),
+        }
+    }
+    pieces
 }
 
 /// A triangle cut across its longest side, if that is too long.

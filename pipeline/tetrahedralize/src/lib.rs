@@ -32,6 +32,7 @@
 mod complex;
 mod delaunay;
 mod envelope;
+mod estimate;
 mod geometry;
 mod improve;
 mod insertion;

@@ -6,6 +6,7 @@ use si::vec3::norm;
 use crate::complex::{Complex, OUTSIDE};
 use crate::delaunay::Delaunay;
 use crate::envelope::Envelope;
+use crate::estimate::{BELOW, TRIANGLE, check_walls};
 use crate::geometry::{distance, normal};
 use crate::improve::Improve;
 use crate::insertion::insert_triangle;
@@ -30,9 +31,8 @@ const ON_PLANE: f64 = 0.05;
 const SPECK: f64 = 0.05;
 /// So are those thinner than this share of the envelope.
 const THIN: f64 = 0.5;
-/// Volume of a regular tetrahedron, and area of an equilateral triangle, over powers of their edge.
+/// Volume of a regular tetrahedron over the cube of its edge.
 const TETRAHEDRON: f64 = 0.117_85;
-const TRIANGLE: f64 = 0.433;
 
 /// Remeshed surfaces of all parts.
 #[derive(Default)]
@@ -65,6 +65,7 @@ pub fn tetrahedralize_watched(parts: &[Part], set: &Settings, watch: &dyn Fn(&st
     let triangles: Vec<[Point3; 3]> = parts.iter().flat_map(Part::triangles).collect();
     let set = &Settings { envelope: MARGIN * set.envelope, ..*set };
     let envelope = Envelope::new(&triangles, set.edge);
+    check_walls(parts, &envelope, set)?;
     let (skin, space) = remesh_parts(parts, &envelope, set);
     watch(&format!("surfaces remeshed: {} triangles", skin.faces.len()));
     let places: Vec<[Point3; 3]> = skin.faces.iter().map(|f| f.map(|n| skin.points[n as usize])).collect();
@@ -118,7 +119,7 @@ fn check_parts(parts: &[Part], set: &Settings) -> Result<(), Refusal> {
         length = length.max(far);
         // no body of a given area holds more than a ball
         let volume = (area / (4.0 * std::f64::consts::PI)).powf(1.5) * 4.0 / 3.0 * std::f64::consts::PI;
-        elements += volume / (TETRAHEDRON * set.edge.powi(3)) + 3.0 * area / (TRIANGLE * set.edge.powi(2));
+        elements += volume / (TETRAHEDRON * set.edge.powi(3)) + BELOW * area / (TRIANGLE * set.edge.powi(2));
     }
     // an overflow is none of a number below the limit
     if elements <= set.max_elements {

@@ -33,6 +33,16 @@ pub enum Refusal {
         /// Its value.
         value: f64,
     },
+    /// Walls in more elements than there is memory for.
+    #[error(
+        "walls with so many elements through them would take about {elements:.0e} elements\n  why: the limit is {limit:.0e}\n  do:  ask for fewer elements through a wall, or for longer smallest edges"
+    )]
+    ThinWalls {
+        /// Estimated elements.
+        elements: f64,
+        /// The limit.
+        limit: f64,
+    },
     /// More elements than there is memory for.
     #[error(
         "surfaces of {length:.3e} m with edges of {edge:.3e} m would take about {elements:.0e} elements\n  why: the limit is {limit:.0e}\n  do:  check that lengths are in metres, not in millimetres, or take a longer edge"

@@ -51,7 +51,7 @@ pub enum MeshMethod {
     Columns,
     /// Any closed surfaces.
     General,
-    /// In columns where they divide the body, else by the general method.
+    /// In columns where they divide the body in elements of 5° and more, else by the general method.
     Auto,
 }
 
