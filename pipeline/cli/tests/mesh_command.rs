@@ -91,3 +91,19 @@ fn too_many_elements_and_other_endings_are_refused_before_anything_is_made() {
     assert!(!folder.join("a.msh").exists());
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn of_a_refused_surface_the_picture_shows_the_place() {
+    let folder = folder("refused");
+    let mut open = block([0.0; 3], [0.03, 0.02, 0.02]);
+    open.faces.truncate(4);
+    std::fs::write(folder.join("open.stl"), stl::write(&open, 1e-3, "open")).unwrap();
+    for method in ["columns", "general"] {
+        let output = study_mesh(&folder, &format!("open.stl --edge 4mm --method {method} --picture {method}.svg"));
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && message.contains("the place → "), "{message}");
+        let svg = std::fs::read_to_string(folder.join(format!("{method}.svg"))).unwrap();
+        assert_eq!((svg.matches("<polygon").count(), svg.matches("<circle").count()), (4, 1));
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}

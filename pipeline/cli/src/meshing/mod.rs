@@ -12,11 +12,11 @@ use std::time::Instant;
 
 use diagnostics::{Diagnostic, Result, output};
 use mesh::foreign::{write_gmsh, write_medit};
-use mesh::{Assembly, Chosen, Detail, Measures, QuadraticMesh, Settings, Surface, mesh_assembly, stl, vtu};
+use mesh::{Assembly, Chosen, Detail, Measures, MeshError, QuadraticMesh, Settings, Surface, mesh_assembly, stl, vtu};
 
 use measured::Measured;
 use options::MeshSurfaces;
-use picture::section_picture;
+use picture::{refusal_picture, section_picture};
 
 /// What was made.
 pub struct Meshed {
@@ -40,8 +40,7 @@ pub fn run(options: &MeshSurfaces, quiet: bool) -> Result<Meshed> {
     };
     let detail = Detail { envelope: options.envelope, smallest: options.smallest, layers: options.layers };
     let set = Settings { method: options.method.into(), use_symmetry: false, detail, ..Settings::new(options.edge) };
-    let chosen =
-        mesh_assembly(&assembly, &set, &watch).map_err(|error| Diagnostic::from(error).of(surface_names(options)))?;
+    let chosen = mesh_assembly(&assembly, &set, &watch).map_err(|error| refusal(error, options, &surfaces))?;
     let seconds = began.elapsed().as_secs_f64();
     let linear = chosen.solid.clone().into_corners();
     let measures = Measures::new(&linear, &assembly, options.edge);
@@ -56,6 +55,17 @@ pub fn run(options: &MeshSurfaces, quiet: bool) -> Result<Meshed> {
     }
     let measured = Measured { chosen: &chosen, measures: &measures, options, chambers: linear.chambers(), seconds };
     Ok(Meshed { report: measured.to_string() + &written_files(options) })
+}
+
+/// Why surfaces are refused; where a picture is asked for and the error names a place, it is drawn.
+fn refusal(error: MeshError, options: &MeshSurfaces, surfaces: &Surfaces) -> Diagnostic {
+    if let (Some(path), Some(place)) = (&options.picture, error.place()) {
+        match write_whole(path, refusal_picture(&surfaces.all(), place).as_bytes()) {
+            Ok(()) => output::note(format_args!("picture     the place → {}", path.display())),
+            Err(unwritten) => return unwritten,
+        }
+    }
+    Diagnostic::from(error).of(surface_names(options))
 }
 
 /// The surfaces of all files.
@@ -74,6 +84,10 @@ impl Surfaces {
             inserts: solids.collect(),
             cavities: options.cavity.iter().map(read).collect::<Result<_>>()?,
         })
+    }
+
+    fn all(&self) -> Vec<&Surface> {
+        std::iter::once(&self.body).chain(&self.inserts).chain(&self.cavities).collect()
     }
 
     fn assembly(&self) -> Assembly<'_> {

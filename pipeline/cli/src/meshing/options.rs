@@ -39,7 +39,7 @@ pub struct MeshSurfaces {
     /// Write the mesh's own surface: closed, consistent, within 2 % of an edge of the files.
     #[arg(long, value_name = "FILE.stl")]
     pub repair_to: Option<PathBuf>,
-    /// Draw the mesh cut open, and its worst elements.
+    /// Draw the mesh cut open, and its worst elements; of surfaces that are refused, their faces and the place.
     #[arg(long, value_name = "FILE.svg")]
     pub picture: Option<PathBuf>,
 }

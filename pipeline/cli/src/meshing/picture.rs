@@ -1,9 +1,9 @@
-//! A picture of a mesh: cut open across its thinnest side, with its worst elements in red.
+//! Pictures of a mesh, cut open across its thinnest side with its worst elements in red, and of surfaces that are refused, with the place.
 
 use std::fmt::Write;
 
-use mesh::TetMesh;
 use mesh::quality::worst_elements;
+use mesh::{Surface, TetMesh};
 use si::{Point2, Point3};
 
 /// Width of the picture and the margin around the body, px.
@@ -13,6 +13,10 @@ const MARGIN: f64 = 20.0;
 const WORST: usize = 20;
 /// Fill of the regions, from the first; later ones begin anew.
 const FILLS: [&str; 4] = ["#d7e3ee", "#f0d9a8", "#cfe6c8", "#e6cfe0"];
+/// Faces of refused surfaces that are drawn, evenly spaced in their list where there are more: a picture of all would be larger than the file.
+const OUTLINES: usize = 20_000;
+/// Radius of the circle around a place, px.
+const CIRCLE: f64 = 12.0;
 /// The six edges of a tetrahedron.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
@@ -30,8 +34,8 @@ struct View {
 }
 
 impl View {
-    fn new(mesh: &TetMesh) -> Self {
-        let bound = |k: usize, pick: fn(f64, f64) -> f64, start: f64| mesh.nodes.iter().map(|p| p[k]).fold(start, pick);
+    fn new(points: &[Point3]) -> Self {
+        let bound = |k: usize, pick: fn(f64, f64) -> f64, start: f64| points.iter().map(|p| p[k]).fold(start, pick);
         let low = [0, 1, 2].map(|k| bound(k, f64::min, f64::INFINITY));
         let high = [0, 1, 2].map(|k| bound(k, f64::max, f64::NEG_INFINITY));
         let mut order = [0, 1, 2];
@@ -51,6 +55,15 @@ impl View {
 
     fn picture_size(&self) -> Point2 {
         [WIDTH, 2.0 * MARGIN + self.scale * (self.high[1] - self.low[1])]
+    }
+
+    /// The beginning of an SVG file, and of its first group.
+    fn empty_picture(&self) -> String {
+        let [width, height] = self.picture_size();
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" stroke-linejoin=\"round\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<g stroke=\"#445\" stroke-width=\"0.6\">\n"
+        )
     }
 
     /// The section of a tetrahedron, as a polygon; empty where the plane does not cross it.
@@ -76,12 +89,8 @@ fn in_angular_order(mut points: Vec<Point2>) -> Vec<Point2> {
 
 /// The mesh cut open, as SVG.
 pub(super) fn section_picture(mesh: &TetMesh) -> String {
-    let view = View::new(mesh);
-    let [width, height] = view.picture_size();
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" stroke-linejoin=\"round\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<g stroke=\"#445\" stroke-width=\"0.6\">\n"
-    );
+    let view = View::new(&mesh.nodes);
+    let mut svg = view.empty_picture();
     for (tet, region) in mesh.regions.iter().enumerate() {
         let section = view.tet_section(mesh.corners(tet));
         if section.len() > 2 {
@@ -95,6 +104,25 @@ pub(super) fn section_picture(mesh: &TetMesh) -> String {
         let _ = writeln!(svg, "<path d=\"{sides}\"><title>element {tet}: {angle:.2}°</title></path>");
     }
     svg + "</g>\n</svg>\n"
+}
+
+/// Surfaces as outlines of their faces, with a circle around the place (m) where they were refused, as SVG.
+pub(super) fn refusal_picture(surfaces: &[&Surface], place: Point3) -> String {
+    let points: Vec<Point3> = surfaces.iter().flat_map(|surface| surface.points.iter().copied()).collect();
+    let view = View::new(&points);
+    let mut svg = view.empty_picture();
+    for surface in surfaces {
+        for face in (0..surface.faces.len()).step_by(surface.faces.len().div_ceil(OUTLINES).max(1)) {
+            write_polygon(&mut svg, &surface.corners(face).map(|p| view.to_pixel(p)), "fill=\"none\"");
+        }
+    }
+    let ([x, y], [a, b, c]) = (view.to_pixel(place), place.map(|p| 1e3 * p));
+    let _ = writeln!(
+        svg,
+        "</g>\n<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{CIRCLE}\" fill=\"none\" stroke=\"#c00000\" stroke-width=\"3\">\
+         <title>({a:.2}, {b:.2}, {c:.2}) mm</title></circle>"
+    );
+    svg + "</svg>\n"
 }
 
 fn write_polygon(svg: &mut String, points: &[Point2], style: &str) {

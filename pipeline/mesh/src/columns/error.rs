@@ -3,6 +3,7 @@
 use crate::surface::place_text;
 use crate::{SurfaceError, ValidationError};
 use si::{Metre, Point3};
+use tetrahedralize::Refusal;
 
 /// Why two surfaces did not become a mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -131,7 +132,7 @@ pub enum MeshError {
     Nothing,
     /// Surfaces that the general method refuses.
     #[error(transparent)]
-    General(#[from] tetrahedralize::Refusal),
+    General(#[from] Refusal),
     /// A mesh of the general method that a solver would refuse.
     #[error("{message}")]
     Defect {
@@ -151,4 +152,22 @@ pub enum MeshError {
     /// A mesh that failed the validation.
     #[error(transparent)]
     Invalid(#[from] ValidationError),
+}
+
+impl MeshError {
+    /// The place on the surfaces that it names, m, where it names one.
+    pub fn place(&self) -> Option<Point3> {
+        match self {
+            Self::NotSwept { at, .. }
+            | Self::Gap { at, .. }
+            | Self::Overlap { at, .. }
+            | Self::OddCrossings { at, .. }
+            | Self::CrossingOutlines { at, .. }
+            | Self::NoCommonOrder { lower: at, .. }
+            | Self::General(Refusal::Nothing { at })
+            | Self::Invalid(ValidationError::Distance { at, .. })
+            | Self::Surface { source: SurfaceError::Open { from: at, .. }, .. } => Some(*at),
+            _ => None,
+        }
+    }
 }
