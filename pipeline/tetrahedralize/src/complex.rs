@@ -204,5 +204,7 @@ pub(crate) mod tests {
     fn a_grid_of_cubes_has_a_volume_of_one_each_and_faces_between_unlike_labels_on_both_sides() {
         let complex = cubes([2, 1], &[0.0, 1.0], |[i, ..]| i as u16);
         assert_eq!((complex.living_tets().count(), complex.whole_skin().1.len()), (12, 22));
+        let volumes = complex.living_tets().map(|tet| crate::geometry::six_volumes(complex.corners_of(tet)));
+        assert!(volumes.into_iter().all(|six_volumes| six_volumes == 1.0));
     }
 }

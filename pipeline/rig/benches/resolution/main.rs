@@ -20,7 +20,7 @@ use tail_cad::{Resolution, Tail};
 const EVEN: Cuts = Cuts { chamber: &[0.5], depth: &[1.0 / 3.0, 2.0 / 3.0], heights: [3, 2, 1], wall: 1 };
 /// Cells short beside ribs and beside the wall, long along the height: a second cell up to the slots' end moves the angle at 160 mbar by 0.6 % and
 /// costs half of the work again.
-// Of eleven grids within 2 % at a quarter of the flops or less this takes the fewest factorisations. How hard the walls that buckle in turn are for
+// Of ten grids within 2 % at a quarter of the flops or less this takes the fewest factorisations. How hard the walls that buckle in turn are for
 // Newton's method depends on the grid, without order in cuts or share: 25 grids took 4.1 to 8.0 in the mean, 8 to 44 at worst.
 const GRADED: Cuts =
     Cuts { chamber: &[0.1, 0.34, 0.66, 0.9], depth: &[0.3, 0.6, 0.8, 0.92, 0.975], heights: [1, 1, 1], wall: 1 };
