@@ -40,6 +40,11 @@ impl Solid {
         }
     }
 
+    /// Whether its elements are hexahedra.
+    pub fn is_hexahedral(&self) -> bool {
+        matches!(self, Self::Quadratic(QuadraticMesh { elements: QuadraticElements::Hexahedra(_), .. }))
+    }
+
     /// Region of each element.
     pub fn regions(&self) -> &[u16] {
         match self {

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use mesh::foreign::{HexahedralMesh, MeshDefect, RawMesh, vtu};
+use mesh::Skin;
+use mesh::foreign::{HexahedralMesh, MeshDefect, RawMesh, gmsh, vtu};
 
 /// Corners of a cell along x, then y, then z, in the order of VTK.
 const CORNERS: [[usize; 3]; 8] =
@@ -104,7 +105,7 @@ fn a_half_model_begins_on_its_plane_and_has_no_skin_there() {
 }
 
 #[test]
-fn a_file_of_hexahedra_is_read_and_refused_as_tetrahedra() {
+fn a_file_of_hexahedra_is_a_solid_of_twenty_nodes() {
     let grid = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece><Points><DataArray type=\"Float64\" format=\"ascii\">\
         0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1</DataArray></Points><Cells>\
         <DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 3 4 5 6 7</DataArray>\
@@ -112,7 +113,9 @@ fn a_file_of_hexahedra_is_read_and_refused_as_tetrahedra() {
         <DataArray type=\"Int32\" Name=\"types\" format=\"ascii\">12</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>";
     let raw = vtu(grid.as_bytes()).unwrap();
     assert_eq!(raw.clone().check_hexahedra(1e-2, false).unwrap().skin.len(), 6);
-    assert!(matches!(raw.check(1e-2, false), Err(MeshDefect::Hexahedra { count: 1 })));
+    let mesh = raw.check(1e-2, false).unwrap();
+    assert_eq!((mesh.solid.nodes().len(), mesh.solid.element(0).len(), mesh.numbering.len()), (20, 20, 8));
+    assert!(mesh.notes[0].contains("get 20") && mesh.solid.faces().len() == 6, "{:?}", mesh.notes);
 }
 
 /// The same with 20 nodes an element, in the order of VTK.
@@ -167,6 +170,65 @@ fn a_cavity_of_quadratic_elements_is_a_chamber_with_the_middles_of_its_walls() {
     }
     let linear = checked(hollow([3, 3, 3])).unwrap();
     assert!(linear.walls.is_empty() && linear.notes[0].contains("take no pressure"), "{:?}", linear.notes);
+}
+
+#[test]
+fn a_solid_of_hexahedra_has_its_chamber_its_plane_and_its_volume() {
+    for raw in [hollow([3, 3, 3]), quadratic(hollow([3, 3, 3]))] {
+        let mesh = raw.check(1.0, false).unwrap();
+        let [cavity] = &mesh.cavities[..] else { panic!("{} cavities", mesh.cavities.len()) };
+        assert!((cavity.volume / 1e-6 - 1.0).abs() < 1e-9 && mesh.solid.element(0).len() == 20);
+        let on = |skin: Skin| mesh.solid.faces().iter().filter(|face| face.1 == skin).count();
+        assert_eq!((on(Skin::Outer), on(Skin::Chamber(0)), on(Skin::Symmetry)), (54, 6, 0));
+        let tets = mesh.solid.to_linear();
+        assert!((tets.region_volume(0) + tets.region_volume(1) - 26e-6).abs() < 1e-15);
+    }
+    let half = grid([2, 1, 1]).check(1.0, true).unwrap();
+    let on_plane = half.solid.faces().iter().filter(|face| face.1 == Skin::Symmetry).count();
+    assert_eq!((on_plane, half.solid.faces().len()), (2, 10));
+}
+
+/// gmsh's file of two cells of 27 nodes with a side of nine nodes that has a name.
+fn gmsh_of_27_nodes() -> String {
+    let full = quadratic(grid([2, 1, 1]));
+    // the places in VTK's list of gmsh's twelve middles
+    const MIDDLES: [usize; 12] = [8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14];
+    let mut nodes = full.nodes.clone();
+    let mut elements = Vec::new();
+    for (number, of_element) in full.corners.chunks_exact(20).enumerate() {
+        // middles of sides and of the element stand anywhere: they are not read
+        let seven = (0..7).map(|_| {
+            nodes.push([5.0, 5.0, 5.0 + nodes.len() as f64]);
+            nodes.len()
+        });
+        let kept = of_element[..8].iter().copied().chain(MIDDLES.map(|place| of_element[place]));
+        let list: Vec<String> = kept.map(|node| node as usize + 1).chain(seven).map(|n| n.to_string()).collect();
+        elements.push(format!("{} 12 2 7 1 {}", number + 1, list.join(" ")));
+    }
+    let first = &full.corners[..20];
+    let side: Vec<String> =
+        [0, 3, 7, 4, 11, 19, 15, 16, 0].iter().map(|&place| (first[place as usize] + 1).to_string()).collect();
+    elements.push(format!("3 10 2 9 1 {}", side.join(" ")));
+    let nodes: Vec<String> = nodes.iter().enumerate().map(|(n, [x, y, z])| format!("{} {x} {y} {z}", n + 1)).collect();
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 9 \"root\"\n3 7 \"silicone\"\n$EndPhysicalNames\n\
+         $Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n{}\n$EndElements\n",
+        nodes.len(),
+        nodes.join("\n"),
+        elements.len(),
+        elements.join("\n")
+    )
+}
+
+#[test]
+fn hexahedra_of_27_nodes_lose_seven_and_their_named_side_has_eight() {
+    let mesh = gmsh(gmsh_of_27_nodes().as_bytes()).unwrap().check(1.0, false).unwrap();
+    assert_eq!((mesh.solid.len(), mesh.solid.element(1).len(), mesh.solid.nodes().len()), (2, 20, 32));
+    assert_eq!(mesh.regions[0].name.as_deref(), Some("silicone"));
+    let elements = (0..mesh.solid.len()).map(|element| mesh.solid.element(element));
+    let root = mesh.surfaces.iter().find(|surface| surface.name.as_deref() == Some("root")).unwrap();
+    let places: Vec<_> = root.nodes(elements).iter().map(|&node| mesh.solid.nodes()[node as usize]).collect();
+    assert!(places.len() == 8 && places.iter().all(|place| place[0] == 0.0), "{places:?}");
 }
 
 #[test]

@@ -343,11 +343,7 @@ fn hexahedral_elements(mesh: &HexahedralMesh) -> Elements {
     if mesh.middles.is_empty() {
         return Elements::Hexahedra(mesh.hexahedra.clone());
     }
-    let twenty_nodes = |(corners, middles): (&[u32; 8], &[u32; 12])| {
-        std::array::from_fn(|node| if node < 8 { corners[node] } else { middles[node - 8] })
-    };
-    // length: a quadratic mesh has middles for every element
-    Elements::QuadraticHexahedra(mesh.hexahedra.iter().zip(&mesh.middles).map(twenty_nodes).collect())
+    Elements::QuadraticHexahedra(mesh.twenty_nodes().collect())
 }
 
 fn chamber_of_walls(walls: &[[u32; 8]]) -> fem::Chamber {

@@ -69,7 +69,8 @@ impl Reach<'_> {
 
     /// Faces of the outer skin whose corners all lie in a place.
     pub(crate) fn faces_in(&self, place: &Place) -> Vec<Vec<u32>> {
-        let within = |nodes: &[u32]| nodes[..3].iter().all(|&node| self.holds_node(place, node));
+        let corners = |nodes: &[u32]| if nodes.len() == 8 { 4 } else { 3 };
+        let within = |nodes: &[u32]| nodes[..corners(nodes)].iter().all(|&node| self.holds_node(place, node));
         let faces = self.solid.faces().into_iter().filter(|(nodes, on)| *on == Skin::Outer && within(nodes));
         faces.map(|(nodes, _)| nodes.to_vec()).collect()
     }

@@ -55,17 +55,16 @@ impl RawMesh {
     /// # Errors
     /// [`MeshDefect`], which names the node, element, face or edge.
     pub fn check(mut self, unit: Metre, half: bool) -> Result<ForeignMesh, MeshDefect> {
-        let mut notes = Vec::new();
         if self.is_empty() {
             return Err(MeshDefect::Empty { ignored: self.ignored });
         }
         if [8, 20].contains(&self.each) {
-            return Err(MeshDefect::Hexahedra { count: self.len() });
+            return self.check_hexahedral_solid(unit, half);
         }
         self.check_finite()?;
         self.check_repeated()?;
         let (note, numbering) = self.drop_unused();
-        notes.extend(note);
+        let mut notes: Vec<String> = note.into_iter().collect();
         let size = self.scale_to_metres(unit)?;
         notes.extend(self.reorient_elements());
         let volumes = self.element_volumes()?;

@@ -133,14 +133,6 @@ pub enum MeshDefect {
         /// The node.
         node: u64,
     },
-    /// Hexahedra where tetrahedra are needed.
-    #[error(
-        "the file has {count} hexahedra\n  why: cases are simulated on tetrahedra of 4 or 10 nodes: their skin is one of triangles\n  do:  mesh the solid with tetrahedra; hexahedra alone are simulated from Python, by Solver.of_mesh"
-    )]
-    Hexahedra {
-        /// How many.
-        count: usize,
-    },
     /// One name for two tags.
     #[error(
         "the tags {first} and {second} are both named `{name}`\n  why: materials are given by name\n  do:  give them one tag, or two names"

@@ -128,7 +128,7 @@ impl<'a> File<'a> {
         })
     }
 
-    /// A tetrahedron, or the triangle of a surface; anything but tetrahedra is counted.
+    /// A solid element, or the face of a surface; anything but solid elements is counted.
     pub(super) fn add_element(
         &self,
         raw: &mut RawMesh,
@@ -145,7 +145,7 @@ impl<'a> File<'a> {
                     lowest,
                 ));
             }
-            (2, 3 | 6) => tags.iter().try_for_each(|tag| raw.add_triangle(nodes, *tag)),
+            (2, 3 | 4 | 6 | 8 | 9) => tags.iter().try_for_each(|tag| raw.add_surface_face(nodes, *tag)),
             _ => Ok(()),
         };
         raw.ignored += 1;
@@ -207,10 +207,11 @@ impl<'a> File<'a> {
             10 => 9,
             11 | 21 => 10,
             17 => 20,
+            12 => 27,
             _ => 0,
         };
         match (dimension, kind) {
-            (3, 4 | 5 | 11 | 17) => Ok(count),
+            (3, 4 | 5 | 11 | 12 | 17) => Ok(count),
             (0..=2, _) if count > 0 => Ok(count),
             _ => Err(self.from.tokens.with_line(other_solid(&format!("elements of gmsh's type {kind}")))),
         }

@@ -5,7 +5,7 @@
 
 use super::check::Region;
 use super::defect::MeshDefect;
-use super::hexahedral_chambers::{EDGES, HexahedralChamber};
+use super::hexahedral_chambers::{EDGES, HexahedralChamber, SIDES};
 use super::raw_mesh::RawMesh;
 use si::vec3::{add, cross, dot, norm, scale, sub};
 use si::{CubicMetre, Metre, Point3};
@@ -13,8 +13,6 @@ use std::collections::HashMap;
 
 /// Volume over the cube of the longest edge, of the flattest element allowed.
 const FLATTEST: f64 = 1e-7;
-/// Corners of the sides of a cube, normals to its outside.
-pub const SIDES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 /// Corners of the cube [0, 1]³.
 const CORNERS: [[f64; 3]; 8] = [
     [0.0, 0.0, 0.0],

@@ -11,6 +11,10 @@ use std::collections::HashMap;
 pub(super) const EDGES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 
+/// Corners of the sides of a cube, normals to its outside.
+pub(super) const SIDES: [[usize; 4]; 6] =
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+
 /// A cavity with its walls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HexahedralChamber {

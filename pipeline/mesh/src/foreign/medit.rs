@@ -92,7 +92,7 @@ fn read_triangles<const N: usize>(tokens: &mut Tokens, raw: &mut RawMesh) -> Res
             *node = counted_from_one(tokens)?;
         }
         let tag = tokens.next_number("the reference of a triangle")?;
-        raw.add_triangle(&nodes, tag).map_err(|fault| tokens.with_line(fault))?;
+        raw.add_surface_face(&nodes, tag).map_err(|fault| tokens.with_line(fault))?;
         raw.ignored = raw.ignored.saturating_add(1);
     }
     Ok(())

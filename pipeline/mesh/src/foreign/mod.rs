@@ -1,10 +1,11 @@
-//! Foreign meshes: tetrahedra that another program made, read, checked, and given a skin.
+//! Foreign meshes: tetrahedra or hexahedra that another program made, read, checked, and given a skin.
 //!
 //! A reader turns the bytes of a file into a [`RawMesh`], which says no more than the file does: [`gmsh`] (`.msh` 4.1 and 2.2, text
 //! and binary), [`vtu`] (VTK's unstructured grid, in all its encodings but lz4 and lzma), [`vtk`] (its legacy form), [`medit`] (`.mesh`, text), [`tetgen`]
 //! (`.node` and `.ele`). [`RawMesh::check`] makes it a [`ForeignMesh`], or returns its first [`MeshDefect`].
 //!
-//! [`RawMesh::check_hexahedra`] does the same for hexahedra of 8 or 20 nodes, which `.msh` and `.vtu` may hold in the place of tetrahedra.
+//! `.msh`, `.vtu` and `.vtk` may hold hexahedra of 8, 20 or 27 nodes in the place of tetrahedra: a solid has the first 20 of them.
+//! [`RawMesh::check_hexahedra`] leaves those of 8 as they are.
 //!
 //! [`write_gmsh`] and [`write_medit`] write meshes of our own for other programs.
 //!
@@ -20,6 +21,7 @@ mod gmsh_groups;
 mod gmsh_legacy;
 mod hexahedra;
 mod hexahedral_chambers;
+mod hexahedral_solid;
 mod jacobian;
 mod medit;
 mod raw_mesh;

@@ -1,4 +1,4 @@
-//! Raw meshes: the content of a file of tetrahedra, before any check.
+//! Raw meshes: the content of a file of tetrahedra or hexahedra, before any check.
 
 use si::Point3;
 use std::collections::BTreeMap;
@@ -46,7 +46,7 @@ pub struct RawMesh {
     pub node_labels: Vec<u64>,
     /// Nodes of all tetrahedra, one tetrahedron after the other, mid-edge nodes in the order of this module.
     pub corners: Vec<u32>,
-    /// Nodes an element: 4 or 10 of a tetrahedron, 8 of a hexahedron; 0 before the first.
+    /// Nodes an element: 4 or 10 of a tetrahedron, 8 or 20 of a hexahedron; 0 before the first.
     pub each: usize,
     /// The file's own number of each tetrahedron.
     pub labels: Vec<u64>,
@@ -54,7 +54,7 @@ pub struct RawMesh {
     pub tags: Vec<i64>,
     /// The file's name of a tag.
     pub names: BTreeMap<i64, String>,
-    /// The corners of the triangles of surfaces, and the tag of each.
+    /// The corners of the triangles of surfaces, four of a quadrilateral, and the tag of each.
     pub triangles: Vec<([u32; 3], i64)>,
     /// The file's name of a surface's tag.
     pub surface_names: BTreeMap<i64, String>,
@@ -82,11 +82,13 @@ impl RawMesh {
         self.node_labels.push(label);
     }
 
-    /// Adds a tetrahedron of 4 or 10 nodes, or a hexahedron of 8 or 20.
+    /// Adds a tetrahedron of 4 or 10 nodes, or a hexahedron of 8, 20 or 27, of which 20 are kept: those in the middles of sides and elements
+    /// are no part of the solid.
     ///
     /// # Errors
     /// [`MeshFileError`] when those before it have another number of nodes, or a node is not there.
     pub(super) fn add_tetrahedron(&mut self, label: u64, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
+        let nodes = if nodes.len() == 27 { &nodes[..20] } else { nodes };
         if self.each != 0 && self.each != nodes.len() {
             let message = format!("element {label} has {} nodes where those before it have {}", nodes.len(), self.each);
             return Err(MeshFileError::new(
@@ -103,14 +105,19 @@ impl RawMesh {
         Ok(())
     }
 
-    /// Adds a triangle of a surface, of which the first three nodes are the corners.
+    /// Adds a triangle of a surface, of which the first three nodes are the corners, or a quadrilateral of 4, 8 or 9 nodes, as the four
+    /// triangles between its corners: any one of them then tells that a side of a hexahedron is on the surface.
     ///
     /// # Errors
     /// [`MeshFileError`] when a node is not there.
-    pub(super) fn add_triangle(&mut self, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
-        self.check_nodes(nodes, &|| format!("triangle {} of a surface", self.triangles.len() + 1))?;
-        if let [a, b, c, ..] = nodes {
-            self.triangles.push(([*a, *b, *c], tag));
+    pub(super) fn add_surface_face(&mut self, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
+        self.check_nodes(nodes, &|| format!("face {} of a surface", self.triangles.len() + 1))?;
+        match (nodes.len(), nodes) {
+            (4 | 8 | 9, &[a, b, c, d, ..]) => {
+                self.triangles.extend([[a, b, c], [a, b, d], [a, c, d], [b, c, d]].map(|triangle| (triangle, tag)));
+            }
+            (_, &[a, b, c, ..]) => self.triangles.push(([a, b, c], tag)),
+            _ => {}
         }
         Ok(())
     }
@@ -138,22 +145,23 @@ impl RawMesh {
     }
 }
 
-/// The error of a solid element that is not a tetrahedron.
+/// The error of a solid element that is neither.
 pub(super) fn other_solid(name: &str) -> MeshFileError {
     let message = format!("the file has {name}");
     MeshFileError::new(
         message,
-        "tetrahedra of 4 or 10 nodes are simulated",
-        "mesh the solid with tetrahedra of order 1 or 2",
+        "tetrahedra of 4 or 10 nodes are simulated, and hexahedra of 8, 20 or 27",
+        "mesh the solid with one of these alone, of order 1 or 2",
     )
 }
 
 /// The places in gmsh's files of the 20 nodes of a hexahedron in the order of VTK.
 const HEXAHEDRON_PLACES: [usize; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
 
-/// The nodes of an element of gmsh in the order of this module, where they are 20.
+/// The nodes of an element of gmsh in the order of this module, where they are 20 or 27.
 pub(super) fn hexahedron_of_gmsh(nodes: &[u32]) -> Vec<u32> {
-    if nodes.len() == 20 { HEXAHEDRON_PLACES.iter().map(|&place| nodes[place]).collect() } else { nodes.to_vec() }
+    let is_quadratic = [20, 27].contains(&nodes.len());
+    if is_quadratic { HEXAHEDRON_PLACES.iter().map(|&place| nodes[place]).collect() } else { nodes.to_vec() }
 }
 
 /// Ten nodes in the order of this module: the file's places of corners and of the middles of 01, 12, 02, 03, 13, 23.

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::hexahedral_chambers;
 use super::raw_mesh::{MeshFileError, RawMesh};
 use crate::quadratic::EDGES;
 
@@ -12,28 +13,37 @@ pub struct NamedSurface {
     pub tag: i64,
     /// The file's name for it.
     pub name: Option<String>,
-    /// The corners of its triangles in rising order. A corner is counted among the corners of elements alone, so that the number holds for
-    /// elements of either order.
+    /// The corners of its triangles in rising order; of a quadrilateral, all four triangles between its corners. A corner is counted among the
+    /// corners of elements alone, so that the number holds for elements of either order.
     triangles: BTreeSet<[u32; 3]>,
 }
 
 /// Corners of the faces of a tetrahedron.
-const FACES: [[usize; 3]; 4] = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
+const FACES: [&[usize]; 4] = [&[0, 1, 2], &[0, 1, 3], &[0, 2, 3], &[1, 2, 3]];
+
+/// Of an element: how many corners it has, the corners of its faces, and those of the edges whose middles follow its corners.
+fn topology(nodes: usize) -> (usize, Vec<&'static [usize]>, &'static [[usize; 2]]) {
+    match nodes {
+        8 | 20 => {
+            (8, hexahedral_chambers::SIDES.iter().map(|side| side.as_slice()).collect(), &hexahedral_chambers::EDGES)
+        }
+        _ => (4, FACES.to_vec(), &EDGES),
+    }
+}
 
 impl NamedSurface {
-    /// The nodes of a mesh that lie on it, mid-edge nodes among them, in rising order; `elements` have 4 or 10 nodes.
+    /// The nodes of a mesh that lie on it, mid-edge nodes among them, in rising order; `elements` have 4, 10, 8 or 20 nodes.
     pub fn nodes<'a>(&self, elements: impl Iterator<Item = &'a [u32]> + Clone) -> Vec<u32> {
         let corners: Vec<u32> = corner_nodes(elements.clone()).into_iter().collect();
-        let is_on_surface = |face: &[u32; 3]| {
-            let counted = face.map(|node| corners.binary_search(&node).map_or(u32::MAX, |number| number as u32));
-            self.triangles.contains(&in_rising_order(counted))
-        };
+        let count = |node: u32| corners.binary_search(&node).map_or(u32::MAX, |number| number as u32);
         let mut members = BTreeSet::new();
         for nodes in elements {
-            for face in FACES.into_iter().filter(|face| is_on_surface(&face.map(|corner| nodes[corner]))) {
-                members.extend(face.map(|corner| nodes[corner]));
-                let sides = EDGES.iter().zip(nodes.get(4..).unwrap_or_default());
-                let within = sides.filter(|(edge, _)| edge.iter().all(|end| face.contains(end)));
+            let (corner_count, faces, edges) = topology(nodes.len());
+            let triangle = |face: &[usize]| [0, 1, 2].map(|corner| count(nodes[face[corner]]));
+            for face in faces.into_iter().filter(|face| self.triangles.contains(&in_rising_order(triangle(face)))) {
+                members.extend(face.iter().map(|corner| nodes[*corner]));
+                let edges_with_middles = edges.iter().zip(&nodes[corner_count..]);
+                let within = edges_with_middles.filter(|(edge, _)| edge.iter().all(|end| face.contains(end)));
                 members.extend(within.map(|(_, middle)| *middle));
             }
         }
@@ -75,7 +85,7 @@ pub fn surface<'a>(surfaces: &'a [NamedSurface], word: &str) -> Result<&'a Named
 }
 
 impl RawMesh {
-    /// The surfaces of the file, in rising order of their tags; triangles with a node that no tetrahedron has as a corner are none of the body's.
+    /// The surfaces of the file, in rising order of their tags; triangles with a node that no element has as a corner are none of the body's.
     pub(super) fn named_surfaces(&self) -> Vec<NamedSurface> {
         let corners: Vec<u32> = corner_nodes(self.corners.chunks_exact(self.each.max(1))).into_iter().collect();
         let mut triangles_by_tag: BTreeMap<i64, BTreeSet<[u32; 3]>> = BTreeMap::new();
@@ -90,7 +100,7 @@ impl RawMesh {
 }
 
 fn corner_nodes<'a>(elements: impl Iterator<Item = &'a [u32]>) -> BTreeSet<u32> {
-    elements.flat_map(|nodes| &nodes[..4]).copied().collect()
+    elements.flat_map(|nodes| &nodes[..topology(nodes.len()).0]).copied().collect()
 }
 
 fn in_rising_order(mut nodes: [u32; 3]) -> [u32; 3] {

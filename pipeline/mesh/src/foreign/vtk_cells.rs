@@ -29,7 +29,7 @@ pub(super) fn add_cell(
 ) -> Result<(), MeshFileError> {
     let label = (raw.len() + raw.ignored) as u64;
     match (kind as u8, list.len()) {
-        (10 | 71, 4) | (24 | 71, 10) | (12, 8) | (25, 20) => {
+        (10 | 71, 4) | (24 | 71, 10) | (12, 8) | (25, 20) | (29, 27) => {
             let nodes: Option<Vec<u32>> =
                 list.iter().map(|&node| u32::try_from(whole_number(node)? + first).ok()).collect();
             let nodes = nodes.ok_or_else(|| {
