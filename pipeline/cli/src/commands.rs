@@ -172,14 +172,14 @@ pub fn explain_entry(place: &Place, name: &str) -> Result<bool> {
     Ok(print_diagnostics(&diagnostics))
 }
 
-/// Simulates a case, with a check of its gradients or without.
+/// Simulates a case, with a certificate of its mesh or an estimate.
 ///
 /// # Errors
 /// A [`Diagnostic`] of what stopped it.
 pub fn simulate_case(case: &Path, options: RunOptions, certify: bool) -> Result<bool> {
     match certify {
         true => simulate::certify(case, options)?.1.iter().for_each(output::line),
-        false => simulate::run_with(case, options).map(|_| ())?,
+        false => simulate::run_with_estimate(case, options).map(|_| ())?,
     }
     Ok(true)
 }

@@ -142,7 +142,8 @@ pub enum Command {
         /// Folder for the results, instead of CASE.out beside the case.
         #[arg(long)]
         out: Option<PathBuf>,
-        /// Solve it again on cells shorter by 1.5, and print by how much the nodes and markers of the output move otherwise there.
+        /// Solve it again on cells shorter by 1.5, and print by how much the nodes and markers of the output move otherwise there; without it cells
+        /// longer by 1.5 give an estimate, unless --quiet.
         #[arg(long)]
         certify: bool,
         /// When a search for an equilibrium ends; these take the place of the keys of the case.

@@ -34,6 +34,15 @@ fn a_body_that_is_stable_throughout_is_not_said_to_snap() {
     // the iterates of its last level were not, which is all that this search can know
     assert!(done.status.success() && lines.contains("level 1: moved"), "{lines}");
     assert!(lines.contains("the search met unstable shapes") && !lines.contains("snapped"), "{lines}");
+    // which elements it got, and what they are worth
+    assert!(lines.contains("not hexahedra: sized by the walls they would be longer than mesh.edge"), "{lines}");
+    assert!(lines.contains("meshed in 3133 tetrahedra") && out.join("coarser/stable_finger.csv").is_file(), "{lines}");
+    let estimate = lines.lines().find(|line| line.contains("on cells longer by 1.5 it is 0.01")).unwrap();
+    assert!(estimate.ends_with("about so far it is from converged"), "{estimate}");
+    let _ = std::fs::remove_dir_all(&out);
+    let quiet =
+        std::process::Command::new(env!("CARGO_BIN_EXE_study")).args(arguments).arg("--quiet").output().unwrap();
+    assert!(quiet.status.success() && !out.join("coarser").exists());
 }
 
 #[test]

@@ -369,7 +369,7 @@ fn file_source(unit: Unit, order: Option<u8>, half: bool) -> Source {
         edge: None,
         unit,
         order,
-        elements: ElementName::default(),
+        elements: Some(ElementName::Tetrahedra),
         method: Method::Auto,
         detail: Detail::default(),
         half,

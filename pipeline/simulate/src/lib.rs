@@ -34,6 +34,7 @@ mod reduction;
 mod solid;
 mod statics;
 mod stress;
+mod surfaces;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,7 +42,7 @@ use std::sync::Arc;
 use crate::case::{Case, read};
 pub use body::{Body, fem_mesh};
 pub use budget::{Budget, Exceeded, MAX_ITERATIONS, Watch};
-pub use certificate::{Difference, certify};
+pub use certificate::{Difference, certify, run_with_estimate};
 use console::Console;
 pub use continuation::{CriticalKind, DofMap, PathEvent};
 use diagnostics::{Diagnostic, Result};
@@ -112,16 +113,23 @@ fn results_folder(path: &Path, out: Option<&Path>) -> PathBuf {
 
 /// Simulates a case whose files lie beside `path`.
 fn simulate_case(case: &Case, path: &Path, options: RunOptions) -> Result<Summary> {
+    simulate_loaded(case, &load_beside(case, path)?, path, options)
+}
+
+/// The mesh of a case whose files lie beside `path`.
+fn load_beside(case: &Case, path: &Path) -> Result<Loaded> {
+    solid::load(case, path.parent().unwrap_or(Path::new(".")))
+}
+
+fn simulate_loaded(case: &Case, loaded: &Loaded, path: &Path, options: RunOptions) -> Result<Summary> {
     let RunOptions { out, quiet, interrupt, budget } = options;
     let (stem, folder) = (stem_of(path), results_folder(path, out.as_deref()));
-    let parent = path.parent().unwrap_or(Path::new("."));
     let console = Arc::new(Console::new(&stem, quiet));
-    let loaded = solid::load(case, parent)?;
     loaded.notes.iter().for_each(|note| console.print_line(note));
     let budget = budget.or(case.budget());
     let watch = budget.watch(Some(console.reporting(interrupt)));
     // Where case and mesh do not match, either may be wrong.
-    let body = Body::new(case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
+    let body = Body::new(case, loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
     let body = body.interruptible(Some(watch.interrupt()));
     body.notes.iter().for_each(|note| console.print_line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;

@@ -4,14 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use mesh::foreign::{self, NamedSurface, RawMesh, Region};
-use mesh::{Cavity, Grading, Method, Solid, Surface};
+use mesh::{Cavity, Solid, Surface};
 
 use crate::case::{Case, Order, Source, Unit};
 use crate::force_table::{self, ForceTable};
+use crate::surfaces::Surfaces;
 use diagnostics::{Diagnostic, Result, input};
-
-/// The note on symmetric surfaces that could be simulated as a half model.
-const HALF: &str = "the surfaces are symmetric about z = 0: where clamps and loads are so too, their half z ≥ 0 would do (half = true)";
 
 /// A mesh with names.
 #[derive(Debug, Clone)]
@@ -43,6 +41,10 @@ pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
         None => from_surfaces(mesh, folder)?,
     };
     let read = loaded.solid.nodes().len();
+    if mesh.order == Some(Order::Linear) && loaded.solid.is_hexahedral() {
+        let reason = "hexahedra are simulated with 20 nodes";
+        return Err(Diagnostic::new("the order linear is not to be had", reason, "leave mesh.order away"));
+    }
     loaded.solid = match mesh.order {
         Some(Order::Linear) => Solid::Linear(loaded.solid.to_linear()),
         Some(Order::Quadratic) => Solid::Quadratic(loaded.solid.to_quadratic()),
@@ -106,34 +108,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let surface = |name: &str| read_surface(&folder.join(name), mesh.unit);
     let body = surface(mesh.body.as_deref().unwrap_or_default())?;
     let spine = mesh.spine.as_deref().map(surface).transpose()?;
-    let edge = mesh.edge.unwrap_or_default() / mesh.finer;
-    let choice = mesh.elements.graded(Grading::COARSE.finer(mesh.finer));
-    let meshed = |use_symmetry: bool| {
-        let set =
-            mesh::Settings { use_symmetry, method: mesh.method, detail: mesh.detail, ..mesh::Settings::new(edge) };
-        let files: Vec<&str> = mesh.body.iter().chain(&mesh.spine).map(String::as_str).collect();
-        mesh::mesh_chosen(&body, spine.as_ref(), &set, choice)
-            .map_err(|e| Diagnostic::from(e).while_doing(files.join(" with ")))
-    };
-    let mut chosen = meshed(true)?;
-    let mut notes = Vec::new();
-    if mesh.half && !chosen.solid.half {
-        let reason = match &chosen.not_columns {
-            None if mesh.method != Method::General => "the surfaces are not symmetric about z = 0",
-            _ => "the general method meshes whole bodies alone",
-        };
-        return Err(Diagnostic::new("no half model can be made", reason, "set half = false, or move the surfaces"));
-    }
-    if chosen.solid.half && !mesh.half {
-        notes.push(HALF.to_owned());
-        chosen = meshed(false)?;
-    }
-    notes.extend(chosen.report.repairs.iter().cloned());
-    let refusals =
-        [("tetrahedra, not hexahedra", chosen.not_hexahedra), ("general, not in columns", chosen.not_columns)];
-    let refusals = refusals.into_iter().filter_map(|(instead, why)| Some((instead, why?)));
-    notes.extend(refusals.map(|(instead, why)| format!("{instead}: {}", Diagnostic::from(why).what)));
-    let solid = Solid::Quadratic(chosen.solid);
+    let (solid, notes) = Surfaces { source: mesh, body: &body, spine: spine.as_ref() }.solid()?;
     let regions = named_regions(&solid, spine.is_some());
     let (surfaces, cavities, numbering) = Default::default();
     Ok(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables: BTreeMap::new() })

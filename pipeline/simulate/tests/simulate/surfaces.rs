@@ -35,7 +35,9 @@ fn two_surfaces_are_meshed_and_simulated() {
     };
     let hexahedra = swelling("surfaces_hexahedra", "elements = \"hexahedra\"", "edge = 0.008");
     let [coarse, fine] =
-        ["edge = 0.008", "edge = 0.004"].map(|edge| swelling("surfaces_tetrahedra", "order = \"quadratic\"", edge));
+        ["edge = 0.008", "edge = 0.004"].map(|edge| swelling("surfaces_tetrahedra", "elements = \"tetrahedra\"", edge));
+    // who says nothing gets the hexahedra
+    assert_eq!(swelling("surfaces_free", "order = \"quadratic\"", "edge = 0.008"), hexahedra);
     assert!((hexahedra.0 / fine.0 - 1.0).abs() < 0.01, "{hexahedra:?} {fine:?}");
     assert!(coarse.1 < fine.1 && fine.1 < hexahedra.1 && hexahedra.1 < 1.1 * fine.1, "{hexahedra:?} {fine:?}");
 }
@@ -60,6 +62,8 @@ fn elements_through_a_wall_are_asked_of_the_general_method_alone() {
         );
         solve(name, &case).map(|(summary, _)| summary.dofs)
     };
+    let hexahedra = solved("no_chamber", "elements = \"hexahedra\"").unwrap();
+    assert!(solved("no_chamber", "").unwrap() > hexahedra, "a plate has no chamber that would size hexahedra");
     let [one, two] = [1, 2].map(|layers| solved("detail_case", &format!("detail.layers = {layers}")).unwrap());
     assert!(two > 4 * one, "{one} {two}");
     for keys in
