@@ -110,6 +110,8 @@ pub struct Factor {
     factor_workspace: MemBuffer,
     solve_workspace: MemBuffer,
     ready: bool,
+    /// K⁻¹ b of the probe b that checked the factor.
+    probe_solution: Option<Vec<f64>>,
 }
 
 impl Factor {
@@ -123,6 +125,7 @@ impl Factor {
             ),
             solve_workspace: MemBuffer::new(cholesky.solve_in_place_scratch::<f64>(1, Par::Seq)),
             ready: false,
+            probe_solution: None,
         }
     }
 
@@ -145,6 +148,7 @@ impl Factor {
         probe: &[f64],
     ) -> Result<(), FactorError> {
         self.ready = false;
+        self.probe_solution = None;
         let matrix = SparseColMatRef::new(symbolic.lower.as_ref(), values);
         let computed = symbolic.cholesky.factorize_numeric_llt(
             &mut self.values,
@@ -180,7 +184,13 @@ impl Factor {
         back.iter_mut().zip(probe).for_each(|(left, right)| *left -= right);
         let diagonal = pattern.columns.iter().map(|&first| first as usize);
         let terms: Vec<f64> = x.iter().zip(diagonal).map(|(x, first)| values[first] * x).collect();
+        self.probe_solution = Some(x);
         euclidean_norm(&back) / size.max(euclidean_norm(&terms))
+    }
+
+    /// K⁻¹ b of the `probe` b that checked the factor, in elimination order; once, and none of a probe of zeros.
+    pub fn take_probe_solution(&mut self) -> Option<Vec<f64>> {
+        self.probe_solution.take()
     }
 
     /// x ← K⁻¹ x, in elimination order.

@@ -60,6 +60,18 @@ struct Direction {
     size: Metre,
 }
 
+impl Direction {
+    /// From H g.
+    fn downhill(mut step: Vec<f64>) -> Result<Self, NonConvergence> {
+        step.iter_mut().for_each(|entry| *entry = -*entry);
+        if !step.iter().all(|entry| entry.is_finite()) {
+            return Err(NonConvergence::NotFinite);
+        }
+        let size = max_abs(&step);
+        Ok(Self { step, size })
+    }
+}
+
 /// Why no step along the direction of a fresh factor was accepted.
 fn step_failure(globalisation: Globalisation, iterations: usize) -> NonConvergence {
     match globalisation {
@@ -145,7 +157,7 @@ impl Newton {
         if fresh {
             self.refactorise_state(potential, u, state, options)?;
         }
-        let direction = self.newton_direction(potential)?;
+        let direction = if fresh { self.first_direction(potential) } else { self.newton_direction(potential) }?;
         let size = direction.size;
         state.counts.iterations += 1;
         if size <= options.tolerance {
@@ -276,17 +288,19 @@ impl Newton {
         self.rotation.iter().for_each(|rotation| rotation.apply(dofs, false, x));
     }
 
+    /// The direction right after a factorisation, which was checked with the gradient.
+    fn first_direction(&mut self, potential: &Potential) -> Result<Direction, NonConvergence> {
+        let Some(mut solution) = self.factor.take_probe_solution() else { return self.newton_direction(potential) };
+        self.factor_rank_one.correct_solution(&mut solution);
+        Direction::downhill(solution)
+    }
+
     fn newton_direction(&mut self, potential: &Potential) -> Result<Direction, NonConvergence> {
         let mut step = potential.data.pattern.gather(&self.gradient);
         let history = std::mem::take(&mut self.history);
         history.apply(&mut step, |x| self.solve(potential.data, x));
         self.history = history;
-        step.iter_mut().for_each(|entry| *entry = -*entry);
-        if !step.iter().all(|entry| entry.is_finite()) {
-            return Err(NonConvergence::NotFinite);
-        }
-        let size = max_abs(&step);
-        Ok(Direction { step, size })
+        Direction::downhill(step)
     }
 
     /// Goes along `direction` from the energy `start`: with a line search as far as the energy falls, with full steps
