@@ -30,6 +30,7 @@ mod nested_dissection;
 mod nnls;
 mod node_graph;
 mod pcg;
+mod separator;
 mod sparsity;
 #[cfg(test)]
 mod testing;
