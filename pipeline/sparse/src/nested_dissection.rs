@@ -49,14 +49,14 @@ impl Dissection<'_> {
             self.order.extend(set);
             return;
         }
-        let graph = self.subgraph(&set);
+        let graph = self.subgraph_of(&set);
         // Slender bodies are mostly split across their length, but not near ribs and sheets: all axes are compared.
         let refined = (0..3).map(|axis| {
             let mut partition = self.plane_partition(&set, &graph, axis);
-            partition.refine(&graph);
+            partition.refine_separator(&graph);
             partition
         });
-        let Some(best) = refined.min_by(|a, b| a.cost().total_cmp(&b.cost())) else { return };
+        let Some(best) = refined.min_by(|a, b| a.factor_cost().total_cmp(&b.factor_cost())) else { return };
         let nodes_in = |part: Part| -> Vec<u32> {
             set.iter().zip(&best.parts).filter(|(_, own)| **own == part).map(|(node, _)| *node).collect()
         };
@@ -71,7 +71,7 @@ impl Dissection<'_> {
         self.order.extend(separator);
     }
 
-    fn subgraph(&mut self, set: &[u32]) -> Subgraph {
+    fn subgraph_of(&mut self, set: &[u32]) -> Subgraph {
         set.iter().enumerate().for_each(|(number, &node)| self.number[node as usize] = number as u32);
         let mut subgraph = Subgraph { starts: vec![0], neighbours: Vec::new() };
         for &node in set {
@@ -90,7 +90,7 @@ impl Dissection<'_> {
         sorted.sort_unstable_by(|&a, &b| along(a).total_cmp(&along(b)).then(set[a as usize].cmp(&set[b as usize])));
         let mut rank = vec![0; set.len()];
         sorted.iter().enumerate().for_each(|(place, &number)| rank[number as usize] = place);
-        let reaches: Vec<[usize; 2]> = sorted.iter().map(|&number| reach(graph, &rank, number)).collect();
+        let reaches: Vec<[usize; 2]> = sorted.iter().map(|&number| rank_reach(graph, &rank, number)).collect();
         let (cut, is_first) = cheapest_cut(&reaches);
         let mut parts = vec![Part::First; set.len()];
         for (place, (&number, [low, high])) in sorted.iter().zip(reaches).enumerate() {
@@ -103,7 +103,7 @@ impl Dissection<'_> {
 }
 
 /// The least and the greatest rank among a node and its neighbours.
-fn reach(graph: &Subgraph, rank: &[usize], number: u32) -> [usize; 2] {
+fn rank_reach(graph: &Subgraph, rank: &[usize], number: u32) -> [usize; 2] {
     let own = rank[number as usize];
     let ranks = graph.neighbours_of(number).iter().map(|&next| rank[next as usize]);
     ranks.fold([own; 2], |[low, high], rank| [low.min(rank), high.max(rank)])

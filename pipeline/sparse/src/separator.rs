@@ -35,7 +35,7 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    fn opposite(self) -> Self {
+    fn opposite_side(self) -> Self {
         if self == Self::First { Self::Second } else { Self::First }
     }
 }
@@ -55,22 +55,22 @@ impl Partition {
     }
 
     /// Nodes of the separator, more of them the more the sides differ: what a plane of nodes costs in the factor.
-    pub(crate) fn cost(&self) -> f64 {
+    pub(crate) fn factor_cost(&self) -> f64 {
         let [first, second, separator] = self.sizes;
         let share = first.max(second) as f64 / (first + second).max(1) as f64;
         separator_cost(separator, share)
     }
 
     /// Makes the separator smaller, as long as that is found to be possible.
-    pub(crate) fn refine(&mut self, graph: &Subgraph) {
+    pub(crate) fn refine_separator(&mut self, graph: &Subgraph) {
         for _ in 0..PASSES {
-            if !Pass::new(graph, self).shrinks() {
+            if !Pass::new(graph, self).shrinks_separator() {
                 return;
             }
         }
     }
 
-    fn put(&mut self, node: u32, part: Part) {
+    fn move_node(&mut self, node: u32, part: Part) {
         let own = &mut self.parts[node as usize];
         self.sizes[*own as usize] -= 1;
         self.sizes[part as usize] += 1;
@@ -113,16 +113,16 @@ impl<'a> Pass<'a> {
             .collect::<Vec<_>>();
         let (candidates, has_moved) = (BinaryHeap::new(), vec![false; graph.len()]);
         let mut pass = Self { graph, partition, candidates, has_moved, moves: Vec::new() };
-        separator.into_iter().for_each(|node| pass.enter(node));
+        separator.into_iter().for_each(|node| pass.enter_candidates(node));
         pass
     }
 
     /// Makes the pass; whether the separator is smaller.
-    fn shrinks(mut self) -> bool {
+    fn shrinks_separator(mut self) -> bool {
         let size = self.partition.sizes[2];
         let (mut best, mut kept) = (self.partition.objective(), 0);
         while let Some((node, side)) = self.next_move() {
-            self.apply(node, side);
+            self.apply_move(node, side);
             let objective = self.partition.objective();
             if objective < best {
                 (best, kept) = (objective, self.moves.len());
@@ -137,7 +137,7 @@ impl<'a> Pass<'a> {
     }
 
     /// Nodes that leave the separator, less those that enter it.
-    fn gain(&self, node: u32, side: Part) -> i32 {
+    fn separator_gain(&self, node: u32, side: Part) -> i32 {
         1 - self.nodes_behind(node, side).count() as i32
     }
 
@@ -145,12 +145,12 @@ impl<'a> Pass<'a> {
     fn nodes_behind(&self, node: u32, side: Part) -> impl Iterator<Item = u32> {
         let parts = &self.partition.parts;
         let neighbours = self.graph.neighbours_of(node).iter().copied();
-        neighbours.filter(move |next| parts[*next as usize] == side.opposite())
+        neighbours.filter(move |next| parts[*next as usize] == side.opposite_side())
     }
 
-    fn enter(&mut self, node: u32) {
+    fn enter_candidates(&mut self, node: u32) {
         for side in [Part::First, Part::Second] {
-            self.candidates.push((self.gain(node, side), Reverse(node), side));
+            self.candidates.push((self.separator_gain(node, side), Reverse(node), side));
         }
     }
 
@@ -161,7 +161,7 @@ impl<'a> Pass<'a> {
             if self.has_moved[node as usize] || self.partition.parts[node as usize] != Part::Separator {
                 continue;
             }
-            let present_gain = self.gain(node, side);
+            let present_gain = self.separator_gain(node, side);
             if present_gain != gain {
                 self.candidates.push((present_gain, Reverse(node), side));
             } else if (self.partition.sizes[side as usize] as f64) < most {
@@ -171,14 +171,14 @@ impl<'a> Pass<'a> {
         None
     }
 
-    fn apply(&mut self, node: u32, side: Part) {
+    fn apply_move(&mut self, node: u32, side: Part) {
         let pulled: Vec<u32> = self.nodes_behind(node, side).collect();
         self.has_moved[node as usize] = true;
-        self.partition.put(node, side);
-        pulled.iter().for_each(|next| self.partition.put(*next, Part::Separator));
+        self.partition.move_node(node, side);
+        pulled.iter().for_each(|next| self.partition.move_node(*next, Part::Separator));
         for &next in self.graph.neighbours_of(node) {
             if self.partition.parts[next as usize] == Part::Separator && !self.has_moved[next as usize] {
-                self.enter(next);
+                self.enter_candidates(next);
             }
         }
         self.moves.push(Move { node, side, pulled });
@@ -186,8 +186,8 @@ impl<'a> Pass<'a> {
 
     fn undo_last(&mut self) {
         let Some(Move { node, side, pulled }) = self.moves.pop() else { return };
-        pulled.into_iter().for_each(|next| self.partition.put(next, side.opposite()));
-        self.partition.put(node, Part::Separator);
+        pulled.into_iter().for_each(|next| self.partition.move_node(next, side.opposite_side()));
+        self.partition.move_node(node, Part::Separator);
     }
 }
 
@@ -215,9 +215,13 @@ mod tests {
             true => Part::First,
         };
         let mut partition = Partition::new((0..is_first.len()).map(part_of).collect());
-        let (size, cost) = (partition.sizes[2], partition.cost());
-        partition.refine(&graph);
-        assert!(size > 40 && partition.sizes[2] == 25 && partition.cost() < cost, "{size} {:?}", partition.sizes);
+        let (size, cost) = (partition.sizes[2], partition.factor_cost());
+        partition.refine_separator(&graph);
+        assert!(
+            size > 40 && partition.sizes[2] == 25 && partition.factor_cost() < cost,
+            "{size} {:?}",
+            partition.sizes
+        );
         assert_eq!(partition.sizes, Partition::new(partition.parts.clone()).sizes);
         for node in (0..graph.len() as u32).filter(|node| partition.parts[*node as usize] == Part::First) {
             let next_parts = graph.neighbours_of(node).iter().map(|next| partition.parts[*next as usize]);

@@ -21,7 +21,7 @@
 //! | 20-node hexahedra, finer, a share of 0.1  | 55 056 | 16.2  | 12.98°, 31.76°, 75.03°  | 133.9 mbar |
 //!
 //! So the silicone's bulging walls lock in tetrahedra, close to incompressibility, long before the sheet does. A mesh of 10-node tetrahedra
-//! with edges of 2.8 mm has 25.6 Gflop.
+//! with edges of 2.8 mm has 25.6 Gflop. In today's elimination order the last two rows have 4.0 and 10.0.
 
 use crate::assembly::quadrature::{
     cube_8, cube_27, cube_125, line_5, repeat_last, square_25, tetrahedron_1, tetrahedron_4, tetrahedron_125,

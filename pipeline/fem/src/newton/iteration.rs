@@ -1,13 +1,12 @@
 //! Newton's method with a lagged factor, quasi-Newton updates and a choice of globalisation.
 //!
-//! Direction −H g, where H is the inverse of the last factor, rotated with the body since ([`NodalRotations`]) and
-//! corrected by L-BFGS pairs of the steps since. A new factorisation is made only when the old factor converges too
-//! slowly.
+//! Direction −H g, where H is the inverse of the last factor, rotated with the body since ([`NodalRotations`]) and corrected by L-BFGS pairs of
+//! the steps since. A new factorisation is made only when the old factor converges too slowly.
 //!
-//! [`Globalisation::LineSearch`] lowers the energy in each step. [`Globalisation::FullStep`] takes whole steps with the
-//! mixed-integration-point tangent [magisano2017]: a large rotation of a stiff thin sheet stretches it in second order,
-//! and a line search on the energy would cut every step short. A watchdog [chamberlain1982] ends them: near the buckle
-//! of a wall they leap along its soft mode, and the energy does not fall below its lowest value again.
+//! [`Globalisation::LineSearch`] lowers the energy in each step. [`Globalisation::FullStep`] takes whole steps with the mixed-integration-point
+//! tangent [magisano2017]: a large rotation of a stiff thin sheet stretches it in second order, and a line search on the energy would cut every
+//! step short. A watchdog [chamberlain1982] ends them: near the buckle of a wall they leap along its soft mode, and the energy does not fall
+//! below its lowest value again.
 
 use crate::assembly::rotation::NodalRotations;
 use crate::newton::line_search::{LineSearch, MAX_TRIALS};
@@ -20,8 +19,7 @@ use sparse::{Factor, FactorError, LbfgsHistory, RankOneUpdates, dot, max_abs};
 /// Fraction of the body's size by which one step may move a node: beyond it the tangent predicts little.
 const MAX_STEP: f64 = 0.3;
 /// Fraction of the body's size below which every step lowers the energy: so short a rotation hardly stretches a sheet.
-// With this and the watchdog 24 levels of a thin tail to 300 mbar took 23 s; with full steps alone one level near the
-// buckle took 22 s, and another had no equilibrium.
+// With this and the watchdog 24 levels of a thin tail to 300 mbar took 23 s; with full steps alone one took 22 s, another had no equilibrium.
 const SHORT: f64 = 2e-3;
 /// Halvings of a full step that inverts an element.
 const MAX_HALVINGS: usize = 6;
@@ -48,8 +46,7 @@ pub(crate) struct Newton {
     pub interrupt: Option<Interrupt>,
 }
 
-/// A question that is asked before each Newton iteration: whether the solve shall end with
-/// [`NonConvergence::Interrupted`].
+/// A question that is asked before each Newton iteration: whether the solve shall end with [`NonConvergence::Interrupted`].
 pub type Interrupt = std::sync::Arc<dyn Fn() -> bool + Send + Sync>;
 
 /// A Newton direction.
@@ -58,18 +55,6 @@ struct Direction {
     step: Vec<f64>,
     /// Largest change of a dof, m.
     size: Metre,
-}
-
-impl Direction {
-    /// From H g.
-    fn downhill(mut step: Vec<f64>) -> Result<Self, NonConvergence> {
-        step.iter_mut().for_each(|entry| *entry = -*entry);
-        if !step.iter().all(|entry| entry.is_finite()) {
-            return Err(NonConvergence::NotFinite);
-        }
-        let size = max_abs(&step);
-        Ok(Self { step, size })
-    }
 }
 
 /// Why no step along the direction of a fresh factor was accepted.
@@ -103,8 +88,7 @@ impl Newton {
         self.factor.is_ready()
     }
 
-    /// Moves `u` (3 entries per node, m) to a minimum of `potential`; `previous` is where a straight line to `u` began, if one
-    /// did.
+    /// Moves `u` (3 entries per node, m) to a minimum of `potential`; `previous` is where a straight line to `u` began, if one did.
     ///
     /// # Errors
     /// [`NonConvergence`]; `u` is then somewhere on the way.
@@ -157,7 +141,7 @@ impl Newton {
         if fresh {
             self.refactorise_state(potential, u, state, options)?;
         }
-        let direction = if fresh { self.first_direction(potential) } else { self.newton_direction(potential) }?;
+        let direction = self.newton_direction(potential, fresh)?;
         let size = direction.size;
         state.counts.iterations += 1;
         if size <= options.tolerance {
@@ -220,8 +204,7 @@ impl Newton {
         state.check_stability(u, potential.data.size)
     }
 
-    /// Factorises the tangent at `u`, or the largest convex part of it; whether it was the tangent itself.
-    /// `predicted`: `u` is a predicted shape and `previous` an equilibrium near it.
+    /// Factorises the tangent at `u`, or the largest convex part of it; whether it was the tangent itself. `predicted`: `u` is a predicted shape.
     fn refactorise(
         &mut self,
         potential: &Potential,
@@ -230,21 +213,16 @@ impl Newton {
         predicted: bool,
     ) -> Result<bool, NonConvergence> {
         let probe = potential.data.pattern.gather(&self.gradient);
-        // Each alternative keeps less of the second derivative. The last one is always positive definite, so that a
-        // body in snap-through, whose exact tangent is indefinite, still has a direction of descent.
-        let kinds = [
-            HessianKind::FormerStress,
-            HessianKind::MixedPoint,
-            HessianKind::Exact,
-            HessianKind::ConvexElastic,
-            HessianKind::Convex,
-        ];
+        // Each alternative keeps less of the second derivative. The last one is always positive definite, so that a body in
+        // snap-through, whose exact tangent is indefinite, still has a direction of descent.
+        use HessianKind::{Convex, ConvexElastic, Exact, FormerStress, MixedPoint};
+        let kinds = [FormerStress, MixedPoint, Exact, ConvexElastic, Convex];
         let first = if previous.is_none() { 2 } else { usize::from(!predicted) };
         for &kind in &kinds[first..] {
             potential.hessian(u, previous.unwrap_or(&[]), kind, &mut self.tangent);
             self.rank_one = RankOneUpdates::new(potential.rank_one_terms(u));
             match self.factorise(potential, u, &probe) {
-                Ok(()) => return Ok(!matches!(kind, HessianKind::ConvexElastic | HessianKind::Convex)),
+                Ok(()) => return Ok(!matches!(kind, ConvexElastic | Convex)),
                 Err(FactorError::Inaccurate { residual }) => return Err(NonConvergence::InaccurateFactor { residual }),
                 Err(_) => {}
             }
@@ -288,23 +266,31 @@ impl Newton {
         self.rotation.iter().for_each(|rotation| rotation.apply(dofs, false, x));
     }
 
-    /// The direction right after a factorisation, which was checked with the gradient.
-    fn first_direction(&mut self, potential: &Potential) -> Result<Direction, NonConvergence> {
-        let Some(mut solution) = self.factor.take_probe_solution() else { return self.newton_direction(potential) };
-        self.factor_rank_one.correct_solution(&mut solution);
-        Direction::downhill(solution)
+    /// The direction at the gradient; right after a factorisation, which was checked with the gradient, its solution is at hand.
+    fn newton_direction(&mut self, potential: &Potential, fresh: bool) -> Result<Direction, NonConvergence> {
+        let mut step = match self.factor.take_probe_solution().filter(|_| fresh) {
+            Some(mut solution) => {
+                self.factor_rank_one.correct_solution(&mut solution);
+                solution
+            }
+            None => {
+                let (mut step, history) =
+                    (potential.data.pattern.gather(&self.gradient), std::mem::take(&mut self.history));
+                history.apply(&mut step, |x| self.solve(potential.data, x));
+                self.history = history;
+                step
+            }
+        };
+        step.iter_mut().for_each(|entry| *entry = -*entry);
+        if !step.iter().all(|entry| entry.is_finite()) {
+            return Err(NonConvergence::NotFinite);
+        }
+        let size = max_abs(&step);
+        Ok(Direction { step, size })
     }
 
-    fn newton_direction(&mut self, potential: &Potential) -> Result<Direction, NonConvergence> {
-        let mut step = potential.data.pattern.gather(&self.gradient);
-        let history = std::mem::take(&mut self.history);
-        history.apply(&mut step, |x| self.solve(potential.data, x));
-        self.history = history;
-        Direction::downhill(step)
-    }
-
-    /// Goes along `direction` from the energy `start`: with a line search as far as the energy falls, with full steps
-    /// as far as no element is inverted. Returns the energy there, and whether it was the whole step.
+    /// Goes along `direction` from the energy `start`: with a line search as far as the energy falls, with full steps as far as no element is
+    /// inverted. Returns the energy there, and whether it was the whole step.
     fn take_step(
         &mut self,
         potential: &Potential,
