@@ -100,7 +100,7 @@ pub struct Source {
     pub unit: Unit,
     /// Order of the elements; the file's own when it is not said, quadratic for STL files.
     pub order: Option<Order>,
-    /// Elements for STL files; see [`Source::chosen_elements`] when it is not said.
+    /// Elements for STL files; hexahedra of a body with chambers that rows and levels divide, where they are not longer than `edge`, when it is not said.
     pub elements: Option<ElementName>,
     /// How tetrahedra are made from STL files; in columns where they divide the body, else by the general method, when it is not said.
     #[serde(default = "automatic")]
