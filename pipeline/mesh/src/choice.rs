@@ -103,7 +103,7 @@ fn hexahedra_of_choice(
     match choice {
         ElementChoice::Tetrahedra => None,
         ElementChoice::Hexahedra(grading) => Some(mesh_in_hexahedra(body, spine, set, &grading)),
-        // Tetrahedra may follow the body more closely. Volumes do not tell: they are those of straight parts, 0.6 % off where the curved sides are
+        // Tetrahedra may follow the body more closely. Volumes do not decide: they are those of straight parts, 0.6 % off where the curved sides are
         // 0.1 % off.
         ElementChoice::HexahedraWherePossible(grading) => {
             Some(mesh_in_hexahedra(body, spine, set, &grading).and_then(|made| refuse_far(made, set)))

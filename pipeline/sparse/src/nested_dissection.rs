@@ -2,8 +2,8 @@
 //!
 //! A set of nodes is split by a plane across one axis. The nodes of one side that touch the other are the separator, which moves of single nodes make
 //! smaller ([`crate::separator`]); it is eliminated last, and both sides are ordered in the same way, down to small sets. Every position of
-//! the plane along all three axes is looked at: between two layers of 20-node hexahedra, or in a thin place, a separator has half the nodes of
-//! one a little beside.
+//! the plane along all three axes is looked at: between two layers of 20-node hexahedra, or in a thin place, a separator has fewer nodes
+//! than a little beside.
 //!
 //! Work in the factor, 10⁹ multiplications and additions, beside METIS 5.1, whose generator of random numbers is the process's own, so that
 //! threads would disturb each other's order:
@@ -62,7 +62,7 @@ impl Dissection<'_> {
         };
         let [first, second, separator] = [Part::First, Part::Second, Part::Separator].map(nodes_in);
         if first.len().max(second.len()) == set.len() {
-            // nodes of one place have no plane between them
+            // no plane divides it
             self.order.extend(set);
             return;
         }

@@ -106,7 +106,7 @@ impl RawMesh {
     }
 
     /// Adds a triangle of a surface, of which the first three nodes are the corners, or a quadrilateral of 4, 8 or 9 nodes, as the four
-    /// triangles between its corners: any one of them then tells that a side of a hexahedron is on the surface.
+    /// triangles between its corners: any one of them then shows that a side of a hexahedron is on the surface.
     ///
     /// # Errors
     /// [`MeshFileError`] when a node is not there.
