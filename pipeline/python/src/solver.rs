@@ -225,9 +225,9 @@ impl Solver {
                 of_case(case, &Loaded { tables, ..loaded.clone() }, threads)
             }
             Kinds::Hexahedra(_) => {
-                let reason = "places of a case are found on a skin of triangles";
-                let act = "make the solver of the mesh: Solver.of_mesh";
-                Err(input_error("a case cannot use a mesh of hexahedra", reason, act))
+                let reason = "hexahedra of a case are those of a file, which become 20-node ones as they are read";
+                let act = "name the file in the case's mesh, or make the solver of the mesh: Solver.of_mesh";
+                Err(input_error("a case cannot use a given mesh of hexahedra", reason, act))
             }
         })
     }

@@ -187,11 +187,27 @@ def test_a_file_of_hexahedra_is_read_whole(ending: str, kind: str, cell: str, or
     assert np.array_equal(sf.Mesh.read(tmp_path / f"box{ending}", "mm", order=order).elements, mesh.elements)
     with pytest.raises(sf.InputError, match=f"order is {3 - order}"):
         sf.Mesh.read(tmp_path / f"box{ending}", "mm", order=3 - order)
-    case = sf.Case.from_toml(
-        f'mesh = {{ file = "box{ending}", unit = "mm" }}\nclamp = [{{ plane = {{ x = 0.0 }} }}]\nstatic = {{ levels = [1.0] }}\n'
-        '[[region]]\nmaterial = "neo_hookean"\nyoungs_modulus = 1e5\npoissons_ratio = 0.3\ndensity = 1000.0\n', tmp_path)
-    with pytest.raises(sf.MeshError, match="hexahedra"):
-        case.solver()
+
+
+@pytest.mark.parametrize("kind, cell", [("hexahedra", "hexahedron"), ("quadratic_hexahedra", "hexahedron20")])
+@pytest.mark.parametrize("ending", [".vtu", ".msh"])
+def test_a_case_of_a_file_of_hexahedra_sags_like_its_mesh(ending: str, kind: str, cell: str, tmp_path: Path) -> None:
+    """Corners become 20-node hexahedra; both files hold a box with straight edges, so that they sag alike."""
+    meshio = pytest.importorskip("meshio")
+    mesh = box(kind)
+    form = {"file_format": "gmsh22", "binary": False} if ending == ".msh" else {}
+    meshio.Mesh(1e3 * mesh.nodes, [(cell, mesh.elements)]).write(tmp_path / f"box{ending}", **form)
+    text = (f'mesh = {{ file = "box{ending}", unit = "mm" }}\ngravity = [0.0, -9.81, 0.0]\nclamp = [{{ plane = {{ x = 0.0 }} }}]\nstatic = {{ levels = [1.0] }}\n'
+            '[[region]]\nmaterial = "neo_hookean"\nyoungs_modulus = 2e5\npoissons_ratio = 0.4\ndensity = 1000.0\n')
+    case = sf.Case.from_toml(text, tmp_path)
+    assert case.mesh.elements.shape == (len(mesh.elements), 20)
+    whole = box("quadratic_hexahedra")
+    solver = sf.Solver.of_mesh(whole, SILICONE, whole.nodes[:, 0] == 0.0)
+    sag = [np.abs(found.displacement).max(axis=0) for found in (case.solver().equilibrium(), solver.equilibrium(gravity=[0.0, -9.81, 0.0]))]
+    assert sag[1][1] > 1e-4 and np.allclose(*sag, rtol=1e-6, atol=1e-9)
+    region = {"material": "neo_hookean", "youngs_modulus": 2e5, "poissons_ratio": 0.4, "density": 1000.0}
+    with pytest.raises(sf.InputError, match="given mesh of hexahedra"):
+        sf.Case({"region": [region], "clamp": [{"plane": {"x": 0.0}}], "static": {"levels": [1.0]}}, mesh=mesh).solver()
 
 
 def hollow_cube(kind: str, cells: int) -> sf.Mesh:
