@@ -5,7 +5,8 @@
 //!
 //! The tangent's geometric part takes the stress of the last step's end, not that of the iterate, which the quadratic terms of a linear
 //! step in the rotating stiff sheet spoil. Measured on a flapping tail in air, residuals and tangents a step: 9.1 and 4.1 with the iterate's
-//! stress, 7.5 and 3.3 with the stress that the last iteration predicts [magisano2017], 5.9 and 2.5 with this.
+//! stress, 7.5 and 3.3 with the stress that the last iteration predicts [magisano2017], 5.9 and 2.5 with this. Where walls buckle it is no longer
+//! near, and a tangent after [`FORMER`] iterations takes that of the iterate.
 
 use crate::chambers::add;
 use crate::dense::{broyden_update, invert, multiply};
@@ -20,8 +21,11 @@ use wide::f32x8;
 
 /// Iterations at most; a step that needs more is halved.
 const MAX_ITERATIONS: usize = 30;
-/// A step that leaves more than this fraction of the one before asks for a new tangent. Measured: 0.05 and 0.1 take equally long, 0.3 in air a tenth longer.
-const REFRESH_ABOVE: f64 = 0.1;
+/// A step that leaves more than this fraction of the one before asks for a new tangent. With 0.1 and the former stress throughout, a tail of thin walls
+/// in air took 4.9 tangents a step for 3.0, and two thirds of the speed; one of thick walls moves as fast with either.
+const REFRESH_ABOVE: f64 = 0.3;
+/// Iterations of a step whose tangents take the former stress.
+const FORMER: usize = 2;
 /// γ (1/s) above which the tolerance falls with its square, so that what a step leaves accelerates the body by no more: that of 240 steps a second.
 const SLOW: f64 = 360.0;
 /// Least tolerance: rounding.
@@ -82,7 +86,7 @@ impl<'a> Equations<'a> {
         for iteration in 0..MAX_ITERATIONS {
             std::mem::swap(&mut self.space.change, &mut self.space.former_change);
             if !(is_usable && self.update_change(iteration > 0)) {
-                self.refresh_tangent().then_some(()).ok_or(self.failure(size))?;
+                self.refresh_tangent(iteration < FORMER).then_some(()).ok_or(self.failure(size))?;
                 gamma = self.stencil.gamma;
             }
             is_usable = true;
@@ -175,8 +179,8 @@ impl<'a> Equations<'a> {
         !is_slow && broyden_update(&mut self.lagged.inverse, former_change, (change, row))
     }
 
-    /// H r on a new inverse of ∂residual/∂q; false where it is singular.
-    fn refresh_tangent(&mut self) -> bool {
+    /// H r on a new inverse of ∂residual/∂q, with the stress of the step's start or of the iterate; false where it is singular.
+    fn refresh_tangent(&mut self, takes_former: bool) -> bool {
         self.work.tangents += 1;
         let (twin, gamma, space) = (self.twin, self.stencil.gamma, &mut *self.space);
         let (q, tangent) = (&space.coordinates, &mut space.tangent);
@@ -184,7 +188,8 @@ impl<'a> Equations<'a> {
         tangent.iter_mut().zip(&twin.mass).for_each(|(entry, mass)| *entry = mass * gamma * gamma);
         space.triangle.fill(f32x8::ZERO);
         for ((solid, acting), before) in twin.solids.iter().zip(&space.acting).zip(self.former_stresses) {
-            solid.add_stiffness(q, (acting, &before.law), &mut space.triangle);
+            let former_stress = if takes_former { before.law.as_slice() } else { &[] };
+            solid.add_stiffness(q, (acting, former_stress), &mut space.triangle);
         }
         add_triangle(single_precision::lane_sums(&space.triangle), tangent);
         space.pressure_work.subtract_hessian(q, tangent);
