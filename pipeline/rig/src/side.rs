@@ -14,7 +14,7 @@ pub enum Side {
 
 impl Side {
     /// Both, in the order of the channels.
-    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+    pub(crate) const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// The name of its channel.
     pub(crate) fn channel_name(self) -> &'static str {

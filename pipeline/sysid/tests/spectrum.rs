@@ -61,7 +61,10 @@ fn storage_and_loss_come_back_from_a_motion_by_a_spectrum_that_the_branches_cann
     let model = shared::bar("neo_hookean");
     let top = [1.2 * PRESSURE; 2];
     // the error of the reduction is to be small beside the residuals of this small motion: with 5e-4 the loss is a fifth off
-    let kept = Snapshots { model: &model, elastic: &model.nominal, top: &top, length: 0.08 }.reduce(3e-5).unwrap().data;
+    let kept = Snapshots { model: &model, elastic: &model.nominal, top: &top, length: 0.08, stroke: None }
+        .reduce(3e-5)
+        .unwrap()
+        .data;
     let reduced = ReducedBody::of(&model, &model.nominal.clone().into(), &kept).unwrap();
     // the modulus that a static identification would find in the middle of the hold's end
     let held_at = 0.9;

@@ -113,7 +113,8 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn in_air_and_in_water_a_twin_moves_as_its_reduced_model_and_within_a_five_hundredth_of_the_length_of_the_whole_one() {
     let (model, silicone) = beam("neo_hookean", false);
-    let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[TOP; 2], length: LENGTH };
+    let snapshots =
+        Snapshots { model: &model, elastic: &silicone.elastic, top: &[TOP; 2], length: LENGTH, stroke: None };
     let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-3).unwrap().data).unwrap();
     let stations = Stations { clamp: 0.0, marks: &STATIONS, edge: LENGTH, end: LENGTH };
     let (tail, rows) = (Tail::new(998.0, &stations, 12, &|_| 0.016).unwrap(), body.rows(&[0, 1, 2]));
@@ -135,7 +136,8 @@ fn in_air_and_in_water_a_twin_moves_as_its_reduced_model_and_within_a_five_hundr
 #[test]
 fn a_beam_in_hexahedra_has_a_twin_whose_groups_have_names_of_their_own() {
     let (model, silicone) = beam("neo_hookean", true);
-    let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[0.5 * TOP; 2], length: LENGTH };
+    let snapshots =
+        Snapshots { model: &model, elastic: &silicone.elastic, top: &[0.5 * TOP; 2], length: LENGTH, stroke: None };
     let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-2).unwrap().data).unwrap();
     let data = twin_data(&body, None, &[]).unwrap();
     let names: Vec<&str> = data.regions.iter().map(|region| region.name.as_str()).collect();
@@ -148,7 +150,8 @@ fn a_beam_in_hexahedra_has_a_twin_whose_groups_have_names_of_their_own() {
 #[test]
 fn a_law_that_a_twin_lacks_is_refused() {
     let (model, silicone) = beam("corotated", false);
-    let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[0.2 * TOP; 2], length: LENGTH };
+    let snapshots =
+        Snapshots { model: &model, elastic: &silicone.elastic, top: &[0.2 * TOP; 2], length: LENGTH, stroke: None };
     let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-2).unwrap().data).unwrap();
     let refused = twin_data(&body, None, &[]).unwrap_err().to_string();
     assert!(refused.contains("`corotated`") && refused.contains("neo_hookean"), "{refused}");

@@ -165,7 +165,8 @@ const TUNED: [f64; 5] = [0.9, 0.8, 1.2, 0.0, 0.0];
 /// Evaluates the reduced model in a fluid of `density` (kg/m³): one cycle after `settle` others.
 fn swimming<T>(model: &Model, density: f64, settle: usize, ask: &dyn Fn(&FlappingModel) -> T) -> T {
     let top = [1.2 * WAVE.amplitude; 2];
-    let kept = Snapshots { model, elastic: &model.nominal, top: &top, length: 0.08 }.reduce(5e-4).unwrap().data;
+    let kept =
+        Snapshots { model, elastic: &model.nominal, top: &top, length: 0.08, stroke: None }.reduce(5e-4).unwrap().data;
     let small = ReducedBody::of(model, &silicone(model), &kept).unwrap();
     let tail =
         Tail::new(density, &Stations { clamp: 0.0, marks: &[0.04, 0.06, 0.08], edge: 0.08, end: 0.08 }, 12, &|_| 0.02)

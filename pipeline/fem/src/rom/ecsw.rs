@@ -3,23 +3,24 @@
 //!
 //! The virtual work of each quadrature point along each mode at each snapshot makes one column of the training matrix;
 //! a few columns with non-negative weights must reproduce the sum of all. Non-negative weights keep the reduced energy
-//! bounded below, as that of the full model is; weights of either sign could make a stable body unstable.
+//! bounded below, as that of the full model is; weights of either sign could make a stable body unstable. Errors count by the displacements that they
+//! make (`compliance`).
 
 use nalgebra::{DMatrix, DVector, SVector};
 use rayon::prelude::*;
 use si::CubicMetre;
 
+use super::compliance::compliances;
 use super::elastic_forces::{ModeGradient, Points, mode_deformation};
 use super::model::Sampled;
+use super::points::{mode_gradient, point_shares, points_of_region};
+use super::training::TrainingShape;
 use crate::assembly::elastic::Elastic;
 use crate::inputs::Inputs;
 use crate::system_data::SystemData;
 use materials::material::{Material, Moduli};
 use sparse::{NnlsColumns, add, nnls};
 
-/// Forces of snapshots below this fraction of the largest force are matched to the same absolute error.
-// Without the floor, snapshots near rest would ask for the same relative error of forces that hardly matter.
-const WEAK: f64 = 0.05;
 /// Weight of an error at a perturbation snapshot relative to one at a snapshot.
 const PERTURBATION_WEIGHT: f64 = 0.1;
 
@@ -29,9 +30,6 @@ const CANDIDATES: usize = 24_000;
 /// Points whose virtual work is summed at once.
 const CHUNK: usize = 512;
 
-/// A shape at which the cubature must reproduce the forces: q, and the moduli of each region that acted.
-pub(super) type TrainingShape = (DVector<f64>, Vec<Moduli>);
-
 /// The sampled quadrature points of each region: number in the full model, and weight, m³.
 pub(super) fn sample_points(
     system: &SystemData,
@@ -40,15 +38,17 @@ pub(super) fn sample_points(
     tolerance: f64,
 ) -> Sampled {
     let elastic = Inputs::new(system).elastic;
-    let perturbations = perturbations(snapshots);
+    let moduli: Vec<Moduli> = elastic.iter().map(|elastic| elastic.moduli).collect();
+    let perturbations = perturbations(snapshots).into_iter().map(|q| (q, moduli.clone()));
+    let shapes: Vec<TrainingShape> = snapshots.iter().cloned().chain(perturbations).collect();
+    let compliances = compliances(system, modes, &shapes);
     let sample = |(region, elastic): (usize, &Elastic)| {
-        let shapes = snapshots.iter().map(|(q, moduli)| (q.clone(), moduli[region]));
-        let shapes = shapes.chain(perturbations.iter().map(|q| (q.clone(), elastic.moduli)));
+        let of_region = |((q, moduli), compliance): (&TrainingShape, _)| (q.clone(), moduli[region], compliance);
         let training = Training {
             system,
             modes,
             material: elastic.material,
-            shapes: shapes.collect(),
+            shapes: shapes.iter().zip(&compliances).map(of_region).collect(),
             snapshots: snapshots.len(),
         };
         training.sample_region(&points_of_region(system, region), tolerance)
@@ -61,8 +61,8 @@ struct Training<'a> {
     system: &'a SystemData,
     modes: &'a DMatrix<f64>,
     material: &'static dyn Material,
-    /// Coordinates and moduli of the snapshots, then of the perturbations.
-    shapes: Vec<(DVector<f64>, Moduli)>,
+    /// Coordinates, moduli and compliance of the snapshots, then of the perturbations.
+    shapes: Vec<(DVector<f64>, Moduli, &'a DMatrix<f64>)>,
     snapshots: usize,
 }
 
@@ -97,11 +97,11 @@ impl Training<'_> {
             (self.system.reference.weights[point as usize], mode_gradient(self.system, point, self.modes));
         let [shear, bulk] = point_shares(self.system, point);
         let mut work = Vec::with_capacity(self.row_count());
-        for (q, moduli) in &self.shapes {
+        for (q, moduli, compliance) in &self.shapes {
             let (_, stress) =
                 self.material.energy_and_stress(&mode_deformation(&gradients, q), moduli.shared(shear, bulk));
             let stress = SVector::<f64, 9>::from_column_slice(stress.as_slice());
-            work.extend((gradients.tr_mul(&stress) * weight).iter());
+            work.extend((*compliance * (gradients.tr_mul(&stress) * weight)).iter());
         }
         // both sums of shares over an element are its volume
         work.push(0.5 * (shear + bulk) * weight);
@@ -127,26 +127,17 @@ impl Training<'_> {
         sums
     }
 
-    /// One weight per row: all snapshots count alike whatever the size of their forces, so do all perturbations, and the volume counts as
-    /// much as a snapshot.
+    /// One weight per row: displacements of all snapshots count by their size, so do those of the perturbations, and the volume counts as much as
+    /// the largest.
     fn row_weights(&self, sums: &[f64]) -> Vec<f64> {
-        let (volume, work) = sums.split_last().map_or((1.0, sums), |(volume, work)| (*volume, work));
+        let (volume, displacements) = sums.split_last().map_or((1.0, sums), |(volume, rest)| (*volume, rest));
         let r = self.modes.ncols();
-        let sizes: Vec<f64> = work.chunks_exact(r).map(|f| f.iter().map(|f| f * f).sum::<f64>().sqrt()).collect();
-        let largest = sizes[..self.snapshots].iter().fold(0.0, |most: f64, size| most.max(*size));
-        let row_weight = |(shape, size): (usize, &f64)| {
-            let is_snapshot = shape < self.snapshots;
-            let (weak, weight) =
-                if is_snapshot { (WEAK * largest, 1.0) } else { (f64::MIN_POSITIVE, PERTURBATION_WEIGHT) };
-            std::iter::repeat_n(weight / (size + weak), r)
-        };
-        sizes.iter().enumerate().flat_map(row_weight).chain([1.0 / volume]).collect()
+        let size = |of_shape: &[f64]| of_shape.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let largest = displacements.chunks_exact(r).take(self.snapshots).map(size).fold(f64::MIN_POSITIVE, f64::max);
+        let weight = |shape: usize| if shape < self.snapshots { 1.0 } else { PERTURBATION_WEIGHT } / largest;
+        let weights = (0..self.shapes.len()).flat_map(|shape| std::iter::repeat_n(weight(shape), r));
+        weights.chain([1.0 / volume]).collect()
     }
-}
-
-/// The shares of the μ and λ parts of the energy that a quadrature point of the full model integrates.
-fn point_shares(system: &SystemData, point: u32) -> [f64; 2] {
-    system.reference.shares[point as usize % system.reference.points]
 }
 
 /// The sampled points with the gradients of the modes, region after region, those of equal shares together.
@@ -175,31 +166,6 @@ pub(super) fn point_groups(
         // nothing of one set may be needed beside the other
         .filter(|points| kinds.len() == 1 || !points.weights().is_empty())
         .collect()
-}
-
-/// Every quadrature point of a region by its number in the full model.
-fn points_of_region(system: &SystemData, region: usize) -> Vec<u32> {
-    let inside = (0..system.mesh.elements.len()).filter(|e| system.mesh.regions[*e] as usize == region);
-    inside
-        .flat_map(|e| e * system.reference.points..(e + 1) * system.reference.points)
-        .map(|point| point as u32)
-        .collect()
-}
-
-/// G of a quadrature point: column m holds Σ_a V_a,m ⊗ ∇N_a.
-fn mode_gradient(system: &SystemData, point: u32, modes: &DMatrix<f64>) -> ModeGradient {
-    let (point, element) = (point as usize, point as usize / system.reference.points);
-    let nodes = system.mesh.elements.nodes(element);
-    let gradients = &system.reference.gradients[point * nodes.len()..(point + 1) * nodes.len()];
-    let mut mode_gradient = ModeGradient::zeros(modes.ncols());
-    for (node, gradient) in nodes.iter().zip(gradients) {
-        let rows = modes.rows(3 * *node as usize, 3);
-        for (axis, derivative) in gradient.iter().enumerate() {
-            let mut part = mode_gradient.rows_mut(3 * axis, 3);
-            part += rows * *derivative;
-        }
-    }
-    mode_gradient
 }
 
 /// Perturbation snapshots: along each coordinate alone, as far as the snapshots reach.

@@ -8,6 +8,7 @@
 
 mod arrays;
 mod chamber_volume;
+mod compliance;
 mod contact;
 mod ecsw;
 mod elastic_forces;
@@ -16,6 +17,7 @@ mod integration;
 mod model;
 mod motion;
 mod pod;
+mod points;
 mod reduction;
 mod relaxation;
 mod single_step;

@@ -16,7 +16,7 @@ pub struct ReductionSettings {
     pub coordinates: usize,
     /// Modes with less than this fraction of the sum of all eigenvalues are left out, no unit.
     pub least_share: f64,
-    /// Relative error of the hyper-reduced forces over all snapshots, no unit.
+    /// Relative error of the displacements by the hyper-reduced forces over all snapshots, no unit.
     pub tolerance: f64,
 }
 

@@ -3,11 +3,10 @@
 use nalgebra::DMatrix;
 
 use super::chamber_volume::CubicVolume;
-use super::ecsw::TrainingShape;
 use super::error::ReducedError;
 use super::model::{ReducedModel, ReducedModelData};
 use super::pod::{Pod, ReductionSettings};
-use super::training::Snapshot;
+use super::training::{Snapshot, TrainingShape};
 use super::{ecsw, pod};
 use crate::system::System;
 

@@ -1,9 +1,13 @@
 //! What a reduced model is trained on: shapes, the constants under which the body took them, and directions in which they change.
 
 use materials::material::Moduli;
+use nalgebra::DVector;
 
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
+
+/// A shape at which the cubature must reproduce the forces: q, and the moduli of each region that acted.
+pub(super) type TrainingShape = (DVector<f64>, Vec<Moduli>);
 
 /// A shape that the full model took under loads like those to come.
 #[derive(Debug, Clone, Copy)]

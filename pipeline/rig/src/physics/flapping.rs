@@ -96,7 +96,7 @@ impl<'a> FlappingModel<'a> {
         let shapes = snapshots::training_shapes(body, line, sweeps, tick)?;
         let snapshots: Vec<fem::Snapshot> = shapes.iter().map(snapshots::BodyShape::as_snapshot).collect();
         let settings =
-            fem::ReductionSettings { coordinates: COORDINATES, tolerance: 5e-4, ..fem::ReductionSettings::default() };
+            fem::ReductionSettings { coordinates: COORDINATES, tolerance: 5e-5, ..fem::ReductionSettings::default() };
         let reduced = body.system.reduce_trained(&snapshots, &settings);
         Ok(reduced.map_err(|e| Diagnostic::from(e).while_doing("the reduced model"))?.data())
     }

@@ -25,7 +25,7 @@ const WHOLE_STEPS: usize = 60;
 const WHOLE_STEP: f64 = 2.0;
 const EVERY: usize = 4;
 /// Coordinates of the reduced model, and its tolerance of forces.
-const REDUCTION: ReductionSettings = ReductionSettings { coordinates: 12, least_share: 1e-10, tolerance: 1e-3 };
+const REDUCTION: ReductionSettings = ReductionSettings { coordinates: 12, least_share: 1e-10, tolerance: 2e-4 };
 /// After the vibration, each step is longer than the one before by this factor, up to the longest, s.
 const GROWTH: f64 = 1.05;
 const LONGEST: Second = 0.02;

@@ -15,7 +15,7 @@ use crate::model::{BODY, Elastic};
 use crate::surrogate::{KnownShape, Load, Slope, Surrogate};
 use diagnostics::Result;
 
-/// Coordinates at most, and the tolerance of the cubature: relative error of the forces.
+/// Coordinates at most, and the tolerance of the cubature: relative error of displacements.
 const SETTINGS: ReductionSettings = ReductionSettings { coordinates: 44, least_share: 1e-10, tolerance: 3e-4 };
 /// Equilibria whose loads are nearer to each other than this teach the same.
 const APART: f64 = 0.02;
