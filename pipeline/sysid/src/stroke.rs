@@ -1,8 +1,8 @@
 //! The first strokes of a flapping motion of the whole body, whose shapes teach a reduced model what equilibria do not hold.
 //!
 //! In motion walls pass through their buckles against inertia and relaxation, in shapes that no pressure and lateral load holds still. Measured on
-//! Nemo's half body at 2 Hz, largest distance of the tip from the whole body's, of the length: 2.4 % by 36 coordinates of 52 equilibria, 0.4 % by 28 of
-//! 40 equilibria and such a motion, which costs as much as the twelve equilibria under both pressures that it takes the place of.
+//! half a tail of thin walls at 2 Hz, largest distance of the tip from the whole body's, of the length: 2.4 % by 36 coordinates of 52 equilibria, 0.5 %
+//! by 28 of 40 equilibria and the strokes, which cost about as much as the twelve equilibria under both pressures that they take the place of.
 
 use diagnostics::Result;
 use fem::{Branch, DynamicSettings, InitialValueProblem, Relaxation, Scheme, State};
@@ -22,7 +22,7 @@ pub struct Stroke {
 /// Time steps in which a chamber is filled: 240 a second at 2 Hz.
 const STEPS_PER_TURN: usize = 60;
 /// Of a turn, the part in which the pressure rises, and falls in the next one.
-// An edge of a tenth of a second at 2 Hz, as of a real valve: with a quarter of it a step of a tail of thin walls took five times as long.
+// An edge of a tenth of a second at 2 Hz: with edges of some 50 ms a step of a tail of thin walls took three to five times as long.
 const RISE: f64 = 0.4;
 /// Every so many steps teach: neighbours are alike.
 const SEEN: usize = 2;

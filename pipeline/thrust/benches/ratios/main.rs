@@ -1,4 +1,4 @@
-//! How much faster than real time a flapping tail moves on one core, in air and in water, with the error beside each: the whole model, the
+//! How much faster than real time flapping tails, of thick and of thin walls, move on one core, in air and in water, with the error beside each: the whole model, the
 //! reduced one, and the twin made of it, the twin also with its gradient. At 240 steps a second, under a square wave of 200 mbar at 2 Hz.
 //!
 //! Then the waveform of most thrust in water, found by that gradient, against a sweep of square waves.
@@ -37,15 +37,22 @@ const WAVE: SquareWave = SquareWave { amplitude: 2e4, frequency: 2.0, sharpness:
 const RAMP: f64 = 0.15;
 
 fn main() -> Outcome<()> {
-    let specimen = Specimen::nine_chambers()?;
-    let body = specimen.reduced()?;
-    let coordinates = body.coordinates();
-    println!("tail of nine chambers a side: {} dofs, {coordinates} coordinates", specimen.model.system.dofs());
+    let thick = Specimen::thick()?;
+    let body = thick.reduced()?;
+    time_motions("thick_", &thick, &body)?;
+    let thin = Specimen::thin()?;
+    time_motions("", &thin, &thin.reduced()?)?;
+    waveform::print(&thick, &body)
+}
+
+/// Prints the factors and errors of a tail's motions, named by its `prefix`.
+fn time_motions(prefix: &str, specimen: &Specimen, body: &ReducedBody) -> Outcome<()> {
+    println!("{} dofs, {} coordinates", specimen.model.system.dofs(), body.coordinates());
     let steps = (DURATION * RATE) as usize;
     for wet in [false, true] {
-        let name = if wet { "water" } else { "air" };
-        let (path, seconds) = reduced(&specimen, &body, wet, steps)?;
-        let twin = Twin::new(arrays(&specimen, &body, wet)?)?;
+        let name = format!("{prefix}{}", if wet { "water" } else { "air" });
+        let (path, seconds) = reduced(specimen, body, wet, steps)?;
+        let twin = Twin::new(arrays(specimen, body, wet)?)?;
         let (own, own_seconds) = motion(&twin, steps)?;
         println!("real_time_factor_reduced_{name} = {:.1}", DURATION / seconds);
         println!("real_time_factor_{name} = {:.1}", DURATION / own_seconds);
@@ -55,20 +62,20 @@ fn main() -> Outcome<()> {
         println!("gradient_over_motion_{name} = {:.2}", gradient / own_seconds);
         println!("twin_off_reduced_{name}_percent = {:.2e}", percent(&own, &path));
         if !wet {
-            against_whole(&specimen, (&path, &own), own_seconds / steps as f64)?;
+            against_whole((prefix, specimen), (&path, &own), own_seconds / steps as f64)?;
         }
     }
-    waveform::print(&specimen, &body)
+    Ok(())
 }
 
 /// The whole model over a part of the same motion.
-fn against_whole(specimen: &Specimen, (path, own): (&[Point2], &[Point2]), step: f64) -> Outcome<()> {
+fn against_whole((prefix, specimen): (&str, &Specimen), (path, own): (&[Point2], &[Point2]), step: f64) -> Outcome<()> {
     let duration = if std::env::args().any(|word| word == "--long") { 2.0 } else { 0.25 };
     let steps = (duration * RATE) as usize;
     let (whole, seconds) = whole(specimen, steps)?;
-    println!("twin_off_whole_air_percent = {:.4}", percent(&own[..steps], &whole));
-    println!("reduced_off_whole_air_percent = {:.4}", percent(&path[..steps], &whole));
-    println!("whole_over_twin = {:.0}", seconds / (step * steps as f64));
+    println!("twin_off_whole_{prefix}air_percent = {:.4}", percent(&own[..steps], &whole));
+    println!("reduced_off_whole_{prefix}air_percent = {:.4}", percent(&path[..steps], &whole));
+    println!("{prefix}whole_over_twin = {:.0}", seconds / (step * steps as f64));
     Ok(())
 }
 
