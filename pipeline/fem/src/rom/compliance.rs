@@ -51,8 +51,11 @@ pub(super) fn compliances(system: &SystemData, modes: &DMatrix<f64>, shapes: &[T
 fn summed_points(system: &SystemData, modes: &DMatrix<f64>) -> Vec<SummedPoint> {
     let of_region = |region: usize| {
         let points = points_of_region(system, region);
-        // odd, so that every place of an element is among them
-        let interval = (points.len() / SUMMED) | 1;
+        // without a divisor that the points of an element have, so that each of their places is among them
+        let divides =
+            |by: usize, interval: usize| interval.is_multiple_of(by) && system.reference.points.is_multiple_of(by);
+        let is_prime_to_element = |interval: &usize| !(2..=*interval).any(|by| divides(by, *interval));
+        let interval = ((points.len() / SUMMED).max(1)..).find(is_prime_to_element).unwrap_or(1);
         let summed_point = move |point: u32| SummedPoint {
             region,
             shares: point_shares(system, point),

@@ -24,7 +24,7 @@ const FRACTIONS: [f64; 6] = [-0.3, 0.3, 0.7, 1.0, 1.5, 2.0];
 const WHOLE_STEPS: usize = 60;
 const WHOLE_STEP: f64 = 2.0;
 const EVERY: usize = 4;
-/// Coordinates of the reduced model, and its tolerance of forces.
+/// Coordinates of the reduced model, and its tolerance of displacements.
 const REDUCTION: ReductionSettings = ReductionSettings { coordinates: 12, least_share: 1e-10, tolerance: 2e-4 };
 /// After the vibration, each step is longer than the one before by this factor, up to the longest, s.
 const GROWTH: f64 = 1.05;
