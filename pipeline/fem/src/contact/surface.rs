@@ -7,6 +7,7 @@ use crate::mesh::{Faces, Mesh};
 use nalgebra::Vector3;
 use si::{Metre, Point2, SquareMetre};
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 /// Nodes of a face at most.
@@ -45,15 +46,10 @@ impl Surface {
             let nodes = faces.nodes(face);
             let corners: Vec<Vector3<f64>> =
                 face_corners(nodes).iter().map(|&corner| rest_positions[corner as usize]).collect();
-            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-            let longest = sides.map(|(from, to)| (to - from).norm()).fold(0.0, f64::max);
-            // a square has one sample where it would have two as triangles: it is cut finer, so that areas have as many
-            let density = if corners.len() == 4 { std::f64::consts::SQRT_2 } else { 1.0 };
-            let pieces = (density * longest / spacing).ceil().max(1.0) as usize;
-            shapes.push(Arc::clone(
-                tables.entry((pieces, corners.len())).or_insert_with(|| sampled_shapes(nodes, pieces)),
-            ));
-            areas.push(corner_area(&corners) / (pieces * pieces) as f64);
+            let pieces = face_pieces(&corners, spacing);
+            let table = tables.entry((pieces, corners.len()));
+            shapes.push(Arc::clone(table.or_insert_with(|| sampled_shapes(nodes, pieces))));
+            areas.push(corner_area(&corners) / (pieces[0] * pieces[1]) as f64);
         }
         Self { faces, rest: rest_positions, shapes, areas }
     }
@@ -149,6 +145,19 @@ fn face_corners(nodes: &[u32]) -> &[u32] {
     &nodes[..if nodes.len() == 8 && !is_triangle(nodes) { 4 } else { 3 }]
 }
 
+/// Into how many parts a face is cut along its first and its second coordinate, with middles at most `spacing` (m) apart. A quadrilateral is cut
+/// each way by itself: the cells beside a thin wall are up to twelve times as long as wide, and cut by their longest side both ways they had
+/// six samples where one is needed. A triangle has parts of its own shape, as many along every side.
+fn face_pieces(corners: &[Vector3<f64>], spacing: Metre) -> [usize; 2] {
+    let side = |from: usize, to: usize| (corners[to] - corners[from]).norm();
+    let pieces = |length: Metre| (length / spacing).ceil().max(1.0) as usize;
+    match corners.len() {
+        // a square has one sample where it would have two as triangles: it is cut finer, so that areas have as many
+        4 => [side(0, 1).max(side(2, 3)), side(1, 2).max(side(3, 0))].map(|length| pieces(SQRT_2 * length)),
+        _ => [pieces(side(0, 1).max(side(1, 2)).max(side(2, 0))); 2],
+    }
+}
+
 /// Area of a plane triangle or quadrilateral, m².
 fn corner_area(corners: &[Vector3<f64>]) -> SquareMetre {
     match *corners {
@@ -177,10 +186,10 @@ fn control_points(mut nodes: Hull) -> Hull {
     nodes
 }
 
-/// Shape functions at the middles of the `pieces`² parts into which a face is cut.
-fn sampled_shapes(nodes: &[u32], pieces: usize) -> Shapes {
+/// Shape functions at the middles of the parts into which a face is cut, `pieces` along each of its coordinates.
+fn sampled_shapes(nodes: &[u32], pieces: [usize; 2]) -> Shapes {
     let middles =
-        if face_corners(nodes).len() == 4 { middles_of_squares(pieces) } else { middles_of_triangles(pieces) };
+        if face_corners(nodes).len() == 4 { middles_of_rectangles(pieces) } else { middles_of_triangles(pieces[0]) };
     let values = |at: Point2| {
         let mut values = [0.0; NODES];
         let shapes = if is_triangle(nodes) { triangle_in_face(at) } else { shape_functions(nodes.len(), at) };
@@ -190,9 +199,9 @@ fn sampled_shapes(nodes: &[u32], pieces: usize) -> Shapes {
     middles.into_iter().map(values).collect()
 }
 
-fn middles_of_squares(pieces: usize) -> Vec<Point2> {
-    let middle = |i: usize| (i as f64 + 0.5) / pieces as f64;
-    (0..pieces).flat_map(|i| (0..pieces).map(move |k| [middle(i), middle(k)])).collect()
+fn middles_of_rectangles(pieces: [usize; 2]) -> Vec<Point2> {
+    let middle = |i: usize, axis: usize| (i as f64 + 0.5) / pieces[axis] as f64;
+    (0..pieces[0]).flat_map(|i| (0..pieces[1]).map(move |k| [middle(i, 0), middle(k, 1)])).collect()
 }
 
 fn middles_of_triangles(pieces: usize) -> Vec<Point2> {
