@@ -9,7 +9,7 @@ use crate::system_data::SystemData;
 use crate::viscoelastic::history::History;
 use crate::viscoelastic::step::ActingStress;
 use materials::step::RegionStep;
-use si::{Pascal, Point3};
+use si::{Metre, Pascal, Point3};
 use std::sync::Arc;
 
 /// Materials and loads of one solver.
@@ -24,6 +24,8 @@ pub(crate) struct Inputs {
     pub mass: Arc<Mass>,
     /// 3 entries per node, N; empty: none.
     pub forces: Vec<f64>,
+    /// Displacements of constrained dofs, 3 entries per node, m; empty: none.
+    pub prescribed: Vec<Metre>,
     /// m/s².
     pub gravity: Point3,
     /// Forces and weight together.
@@ -66,6 +68,7 @@ impl Inputs {
             acting: None,
             mass: Arc::clone(&data.mass),
             forces: Vec::new(),
+            prescribed: Vec::new(),
             gravity: [0.0; 3],
             dead: DeadForces::default(),
             ambient: vec![None; data.chambers.len()],

@@ -15,7 +15,7 @@ use crate::statics::equilibrium::{Equilibrium, StaticSettings};
 use crate::system_data::SystemData;
 use crate::validation;
 use materials::Relaxation;
-use si::{KilogramPerCubicMetre, MetrePerSecondSquared, Pascal, Second};
+use si::{KilogramPerCubicMetre, Metre, MetrePerSecondSquared, Pascal, Second};
 use std::sync::Arc;
 
 /// Solves one system. `Send`, so that each thread can have its own.
@@ -134,6 +134,26 @@ impl Solver {
         }
         self.state.inputs.forces = forces.to_vec();
         self.state.inputs.update_dead_forces();
+        self.state.linearised = None;
+        Ok(())
+    }
+
+    /// Prescribes `displacements` (3 entries per node, m) of constrained dofs, as of the grips of a testing machine; an empty list holds them at
+    /// rest again. Load stepping moves them in proportion to the load; a motion holds them from its beginning on. The force on the body at a
+    /// clamp is the sum of [`Solver::residual`] over its nodes.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the list is neither empty nor 3 entries per node, an entry is not finite, or one of a free dof is not zero.
+    pub fn prescribe(&mut self, displacements: &[Metre]) -> Result<(), SolveError> {
+        if !displacements.is_empty() {
+            self.state.check_field("a list of prescribed displacements", displacements)?;
+        }
+        let axes = self.state.data.constrained.iter().flatten();
+        if let Some((&value, _)) = displacements.iter().zip(axes).find(|(u, is_held)| **u != 0.0 && !**is_held) {
+            let (what, range) = ("a prescribed displacement", "zero along an axis that no clamp holds");
+            return Err(SolveError::Setting { what, value, range });
+        }
+        self.state.inputs.prescribed = displacements.to_vec();
         self.state.linearised = None;
         Ok(())
     }

@@ -24,6 +24,8 @@ def trained(solver: Solver, over: Mapping[str, Range], pressure: Mapping[str, Ra
     if np.any(acting.gravity) or np.any(acting.forces):
         why = "a reduced model is moved by the pressures of its chambers alone"
         raise InputError("gravity or forces act on the body", why, "train a solver without them")
+    if solver._core.moves_clamps():
+        raise InputError("a clamp of the case is displaced", "a reduced model holds its clamps at rest", "train a solver whose clamps stay")
     constants = [(kind, region, (name, *_bounds(name, over[name]))) for name in over for kind, region in [_constant(solver, name)]]
     unknown = [name for name in pressure if name not in solver.chambers]
     if unknown:

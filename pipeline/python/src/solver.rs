@@ -34,6 +34,12 @@ impl Held {
         self.applied = Some(inputs.clone());
         Ok(())
     }
+
+    /// Moves the clamps to a `level` of the case, where there is one: that of an equilibrium solved before is not that of what follows.
+    pub(crate) fn move_clamps(&mut self, case: Option<&OfCase>, level: f64) -> PyResult<()> {
+        let moved = case.map_or(Ok(()), |of| of.loads.move_clamps(&mut self.solver, level));
+        moved.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
+    }
 }
 
 /// What a solve needs, on whatever thread it runs.
@@ -185,8 +191,10 @@ impl Solver {
         inputs: Inputs,
         solve: impl FnOnce(&mut fem::Solver, &Signals) -> PyResult<T> + Send + 'static,
     ) -> PyResult<T> {
+        let shared = self.shared.clone();
         self.run_held(py, move |held, signals| {
             held.apply(&inputs)?;
+            held.move_clamps(shared.case.as_ref(), 1.0)?;
             solve(&mut held.solver, signals)
         })
     }
@@ -286,6 +294,11 @@ impl Solver {
     /// Region of each element.
     fn element_regions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         PyArray1::from_vec(py, self.shared.system.mesh().regions.iter().map(|&region| i64::from(region)).collect())
+    }
+
+    /// Whether a clamp of the case is displaced.
+    fn moves_clamps(&self) -> bool {
+        self.shared.case.as_ref().is_some_and(|of| !of.loads.prescribed.is_empty())
     }
 
     /// What the case says: `forces`, `gravity`, `chambers` (name and number), `points` (name, nodes, weights), `levels`,

@@ -148,10 +148,12 @@ impl Solver {
             for (level, loads) in before.into_iter().zip(std::iter::repeat(shared.case.as_ref())) {
                 let Some(OfCase { loads, .. }) = loads else { continue };
                 held.apply(&inputs.with_forces(loads.forces_at_level(level)))?;
+                held.move_clamps(shared.case.as_ref(), level)?;
                 let pressures = loads.pressures_at_level(level);
                 equilibria.push(levels.solve(&mut held.solver, level, &pressures).map_err(|lost| lost_level(*lost))?);
             }
             held.apply(&inputs)?;
+            held.move_clamps(shared.case.as_ref(), level)?;
             equilibria.push(levels.solve(&mut held.solver, level, &pressures).map_err(|lost| lost_level(*lost))?);
             Ok(equilibria)
         })?;

@@ -33,7 +33,7 @@ def solved(body: sf.Solver) -> np.ndarray:
 
 
 def test_there_are_examples_of_every_kind() -> None:
-    assert {"cantilever", "column", "creep", "finger", "free_vibration", "swing"} <= set(CASES)
+    assert {"cantilever", "column", "creep", "finger", "free_vibration", "swing", "tension"} <= set(CASES)
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -1,11 +1,12 @@
 //! The body of a case as a system of `fem`: mesh, materials, clamps, masses and forces, all independent of level and time.
 
-use fem::{Clamps, Contact, Elements, Faces, Interrupt, Masses, Options, Solver, System};
+use fem::{Contact, Elements, Faces, Interrupt, Masses, Options, Solver, System};
 use mesh::foreign::Region;
 use mesh::{Cavity, QuadraticElements, Skin, Solid};
 use si::Pascal;
 
-use crate::case::{Axis, Case, Chamber, Place};
+use crate::case::{Case, Chamber, Place};
+use crate::clamps::HeldNodes;
 use crate::forces::{nodal_forces, nothing_there};
 use crate::loads::Loads;
 use crate::materials::{case_properties, fast_branches};
@@ -26,6 +27,8 @@ pub struct Body<'a> {
     pub system: System,
     /// 3 a node, N.
     pub forces: Vec<f64>,
+    /// Its clamps.
+    pub held: HeldNodes,
     /// The chamber of the mesh that each chamber of the case is.
     pub numbers: Vec<usize>,
     /// Warnings for the user.
@@ -41,8 +44,8 @@ impl<'a> Body<'a> {
         let mesh = fem_mesh(solid, &(0..cavities.len() as u16).collect::<Vec<_>>());
         let reach = Reach { solid, size: mesh.size() };
         let (properties, mean_dilatation) = case_properties(case, regions)?;
-        let clamps = case_clamps(case, loaded, &reach)?;
-        let forces = nodal_forces(case, loaded, &mesh, &clamps)?;
+        let held = HeldNodes::of_case(case, loaded, &reach)?;
+        let forces = nodal_forces(case, loaded, &mesh, &held.clamps)?;
         let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
         let contact = case.contact.map(|set| Contact { range: set.range, pressure: set.pressure });
         let options = Options {
@@ -52,11 +55,11 @@ impl<'a> Body<'a> {
             contact,
             ..Options::default()
         };
-        let system = System::with(mesh, properties, &clamps, options)?;
+        let system = System::with(mesh, properties, &held.clamps, options)?;
         let numbers = chamber_numbers(case, solid, cavities)?;
         let mut notes = unnamed_chambers(&numbers, cavities);
         notes.extend(fast_branches(system.regions(), case));
-        Ok(Self { solid, regions, cavities, system, forces, numbers, notes, interrupt: None })
+        Ok(Self { solid, regions, cavities, system, forces, held, numbers, notes, interrupt: None })
     }
 
     /// The same with solvers that ask `interrupt` whether to end.
@@ -64,7 +67,7 @@ impl<'a> Body<'a> {
         Self { interrupt, ..self }
     }
 
-    /// A solver under gravity and all dead loads, with its chambers sealed.
+    /// A solver under gravity and all dead loads, with its clamps displaced and its chambers sealed.
     ///
     /// # Errors
     /// A [`Diagnostic`] when `fem` refuses one of them.
@@ -73,6 +76,7 @@ impl<'a> Body<'a> {
         solver.set_interrupt(self.interrupt.clone());
         solver.set_gravity(case.gravity)?;
         solver.set_forces(&self.forces)?;
+        solver.prescribe(&self.held.prescribed)?;
         for (chamber, &number) in
             case.chamber.iter().zip(&self.numbers).filter(|(chamber, _)| chamber.sealed_in.is_some())
         {
@@ -85,7 +89,12 @@ impl<'a> Body<'a> {
     pub fn loads(&self, case: &Case) -> Loads {
         let named = case.chamber.iter().zip(&self.numbers);
         let histories = named.map(|(chamber, &number)| (number, chamber.pressure.clone())).collect();
-        Loads { forces: self.forces.clone(), histories, chambers: self.cavities.len() }
+        Loads {
+            forces: self.forces.clone(),
+            prescribed: self.held.prescribed.clone(),
+            histories,
+            chambers: self.cavities.len(),
+        }
     }
 
     /// One pressure a chamber of the mesh, Pa; 0 where the case names none.
@@ -141,24 +150,6 @@ fn eight_node_side(nodes: &[u32]) -> [u32; 8] {
         [a, b, c, ab, bc, ca] => [a, b, c, c, ab, bc, c, ca],
         _ => std::array::from_fn(|k| nodes[k]),
     }
-}
-
-fn case_clamps(case: &Case, loaded: &Loaded, reach: &Reach) -> Result<Clamps> {
-    let mut clamps = Clamps::none();
-    for (i, clamp) in case.clamp.iter().enumerate() {
-        let held_axes = [Axis::X, Axis::Y, Axis::Z].map(|axis| clamp.hold.contains(&axis));
-        let (nodes, place) = match (&clamp.surface, Place::of(clamp.plane, clamp.block)) {
-            (Some(surface), _) => (reach.on_surface(&loaded.surfaces, surface)?, format!("the surface `{surface}`")),
-            (None, Some(place)) => (reach.nodes_in(&place), place.to_string()),
-            (None, None) => continue,
-        };
-        if nodes.is_empty() {
-            let message = format!("clamp {i} holds no node: none lies on {place}");
-            return Err(Diagnostic::new(message, reach.extent_text(), "move the clamp onto the body"));
-        }
-        nodes.into_iter().for_each(|node| clamps.constrain(node, held_axes));
-    }
-    Ok(clamps)
 }
 
 fn case_masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {

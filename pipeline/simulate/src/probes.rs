@@ -2,7 +2,7 @@
 //!
 //! `level` or `time_s`; for each node and marker its place (`tip_x_m`, …) and its displacement (`tip_ux_m`, …); for each
 //! chamber of the case `left_volume_m3` (both halves of one that the plane of symmetry cuts) and `left_pressure_pa` above
-//! ambient; along a path its stability. Rows are on the disk as soon as they are written.
+//! ambient; for each clamp with a name its force on the body (`grip_fx_n`, …); along a path its stability. Rows are on the disk as soon as they are written.
 
 use std::fs::File;
 use std::io::Write;
@@ -90,6 +90,9 @@ impl Table {
             let name = chamber.name.clone().unwrap_or_else(|| format!("chamber_{i}"));
             head.extend([format!("{name}_volume_m3"), format!("{name}_pressure_pa")]);
         }
+        for grip in &body.held.grips {
+            head.extend(["x", "y", "z"].map(|axis| format!("{}_f{axis}_n", grip.name)));
+        }
         if case.statics.as_ref().is_some_and(|set| set.arc_length.is_some()) {
             head.extend(["negative_eigenvalues", "eigenvalue_n_per_m"].map(str::to_owned));
         }
@@ -119,6 +122,9 @@ impl Table {
             let halves = if body.cavities[number].cut { 2.0 } else { 1.0 };
             row.push(halves * body.system.chamber_volume(number, displacement));
             row.push(solver.chamber_pressure(number, displacement, pressures)?);
+        }
+        for grip in &body.held.grips {
+            row.extend(grip.force(solver, (displacement, pressures), body.solid.half())?);
         }
         row.extend(stability.into_iter().flat_map(|(negative, nearest)| [negative as f64, nearest]));
         let words: Vec<String> = row.iter().map(|value| format!("{value:.9e}")).collect();

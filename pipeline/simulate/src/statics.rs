@@ -128,6 +128,7 @@ pub(super) fn solve_levels(set: &Static, mut simulation: Simulation) -> Result<S
     let mut iterations = 0;
     for (number, &level) in set.levels.iter().enumerate() {
         solver.set_forces(&loads.forces_at_level(level))?;
+        loads.move_clamps(&mut solver, level)?;
         let pressures = loads.pressures_at_level(level);
         let equilibrium = levels.solve(&mut solver, level, &pressures);
         let equilibrium = equilibrium.map_err(|lost| simulation.keep_last(&solver, *lost))?;

@@ -120,7 +120,7 @@ impl SolverState {
         self.check_field("the initial velocity", &initial.velocity)?;
         self.linearised = None;
         let first = State {
-            displacement: self.with_constraints(&initial.displacement),
+            displacement: self.with_clamps_at(&initial.displacement, 1.0),
             velocity: self.with_constraints(&initial.velocity),
         };
         let history = self.relaxed_history(&first.displacement);

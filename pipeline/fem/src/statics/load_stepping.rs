@@ -64,15 +64,16 @@ impl SolverState {
         if let Some(guess) = initial_guess {
             self.check_field("the initial guess", guess)?;
             let mut direct = self.at_rest(pressures);
-            direct.displacement.copy_from_slice(&self.with_constraints(guess));
+            direct.displacement = self.follow_clamps(guess, pressures, 1.0);
             let options = self.full_steps(settings.tolerance, settings);
             if settings.reuse_factor && self.warm_start(&mut direct, pressures, &options) {
                 return Ok(self.finished_equilibrium(direct, false));
             }
-            if self.newton_solve(&mut direct, None, AppliedLoad::whole(pressures), &options).is_ok() {
+            let previous = self.moves_clamps().then_some(guess);
+            if self.newton_solve(&mut direct, previous, AppliedLoad::whole(pressures), &options).is_ok() {
                 return Ok(self.finished_equilibrium(direct, false));
             }
-            if let Some(found) = self.fade_out(&self.with_constraints(guess), pressures, settings) {
+            if let Some(found) = self.fade_out(&self.with_clamps_at(guess, 1.0), pressures, settings) {
                 return Ok(found);
             }
         }
@@ -93,8 +94,8 @@ impl SolverState {
         self.check_field("the predicted shape", predicted)?;
         self.linearised = None;
         let mut solution = self.at_rest(pressures);
-        let previous = self.with_constraints(nearby);
-        solution.displacement = self.admissible_shape(&previous, self.with_constraints(predicted));
+        let previous = self.with_clamps_at(nearby, 1.0);
+        solution.displacement = self.admissible_shape(&previous, self.with_clamps_at(predicted, 1.0));
         let options = NewtonOptions {
             max_iterations: settings.max_iterations,
             predicted: true,
@@ -191,8 +192,14 @@ impl SolverState {
         let line_search = NewtonOptions { globalisation, max_iterations: settings.max_iterations, ..full_steps };
         let loads = homotopy.loads_at(target);
         let (_, end) = &path[path.len() - 1];
-        let guess = self.admissible_shape(&end.displacement, extrapolated_shape(path, target));
-        let previous = (path.len() > 1).then_some(end.displacement.as_slice());
+        let part = loads.applied_load().load_factor;
+        let last = self.with_clamps_at(&end.displacement, part);
+        let predicted = match path.len() {
+            1 => self.follow_clamps(&end.displacement, &end.pressures, part),
+            _ => extrapolated_shape(path, target),
+        };
+        let guess = self.admissible_shape(&last, predicted);
+        let previous = (path.len() > 1 || self.moves_clamps()).then_some(end.displacement.as_slice());
         let state_from = |shape: &[f64]| {
             let (displacement, pressures) = (shape.to_vec(), loads.pressures.clone());
             Equilibrium { displacement, pressures, ..end.clone() }
@@ -209,10 +216,10 @@ impl SolverState {
         }
         let mut solution = attempt(&guess, None, &line_search);
         if solution == Err(NonConvergence::InvertedElement) {
-            solution = attempt(&end.displacement, None, &line_search);
+            solution = attempt(&last, None, &line_search);
         }
         solution.or_else(|_| {
-            let mut next = state_from(&end.displacement);
+            let mut next = state_from(&last);
             self.pseudo_transient(&mut next, loads.applied_load(), &line_search).map(|count| (next, count))
         })
     }
@@ -274,7 +281,8 @@ impl SolverState {
         at
     }
 
-    /// ‖∂Π/∂u‖ over ‖∂Ψ/∂u‖ at free dofs; 0 where there is no elastic force.
+    /// ‖∂Π/∂u‖ at free dofs over ‖∂Ψ/∂u‖ there, or at all dofs where clamps are displaced: they may be all that loads the body. 0 where there is
+    /// no elastic force.
     fn relative_residual(&self, at: &Equilibrium) -> f64 {
         let norm = |full: &[f64]| {
             let free = self.data.pattern.gather(full);
@@ -283,7 +291,8 @@ impl SolverState {
         let mut gradient = vec![0.0; at.displacement.len()];
         self.inputs.at_rest(&self.data, &at.pressures).energy(&at.displacement, &mut gradient);
         let unbalanced = norm(&gradient);
-        let elastic = norm(&self.elastic_forces(&at.displacement));
+        let forces = self.elastic_forces(&at.displacement);
+        let elastic = if self.moves_clamps() { dot(&forces, &forces).sqrt() } else { norm(&forces) };
         if elastic > 0.0 { unbalanced / elastic } else { 0.0 }
     }
 

@@ -8,7 +8,7 @@ use crate::budget::Budget;
 
 use super::check_source::check_source;
 use super::rule::require;
-use super::{ArcLength, Case, Chamber, Clamp, Dynamic, History, Load, Mass, Output, Place, Region, Static, Wave};
+use super::{ArcLength, Axis, Case, Chamber, Clamp, Dynamic, History, Load, Mass, Output, Place, Region, Static, Wave};
 
 /// Largest pressure, Pa.
 const PRESSURE: f64 = 1e8;
@@ -25,6 +25,7 @@ pub(super) fn check_case(case: &Case) -> Checked {
     for (i, clamp) in case.clamp.iter().enumerate() {
         check_clamp(&format!("clamp.{i}"), clamp)?;
         require(&format!("clamp.{i}.hold"), !clamp.hold.is_empty(), "a clamp holds along at least one axis")?;
+        check_displacement(&format!("clamp.{i}"), clamp, case)?;
     }
     check_each("chamber", &case.chamber, check_chamber)?;
     check_each("load", &case.load, check_load)?;
@@ -76,6 +77,26 @@ fn check_clamp(key: &str, clamp: &Clamp) -> Checked {
         return check_place(key, Place::of(clamp.plane, clamp.block));
     }
     require(key, clamp.plane.is_none() && clamp.block.is_none(), "it has one of plane, box and surface")
+}
+
+/// A clamp moves its nodes along the axes that it holds, in equilibria of single levels: motions hold clamps at rest, and paths follow loads.
+fn check_displacement(key: &str, clamp: &Clamp, case: &Case) -> Checked {
+    let name = |word: &str| format!("{key}.{word}");
+    check_vector(&name("displacement"), &clamp.displacement, FAR, "m")?;
+    let moves = |axis: Axis| clamp.displacement[axis as usize] != 0.0;
+    let along_held = [Axis::X, Axis::Y, Axis::Z].into_iter().all(|axis| !moves(axis) || clamp.hold.contains(&axis));
+    require(&name("displacement"), along_held, "a clamp moves along axes that it holds")?;
+    let is_symmetric = !case.mesh.half || !moves(Axis::Z);
+    require(
+        &name("displacement"),
+        is_symmetric,
+        "a clamp of a half model does not move along z: that would break the symmetry",
+    )?;
+    let is_level_by_level = case.statics.as_ref().is_some_and(|set| set.arc_length.is_none());
+    let rule = "clamps move in [static] without arc_length";
+    require(&name("displacement"), is_level_by_level || !clamp.is_displaced(), rule)?;
+    let rule = "a clamp's force is written of [static] without arc_length";
+    require(&name("name"), is_level_by_level || clamp.name.is_none(), rule)
 }
 
 fn check_place(key: &str, place: Option<Place>) -> Checked {
@@ -266,7 +287,8 @@ fn check_names(case: &Case) -> Checked {
     let nodes = case.output.node.iter().enumerate().map(|(i, n)| (format!("output.node.{i}.name"), &n.name));
     let markers = case.output.marker.iter().enumerate().map(|(i, m)| (format!("output.marker.{i}.name"), &m.name));
     let mut taken = BTreeSet::new();
-    for (key, name) in chambers.chain(nodes).chain(markers) {
+    let clamps = case.clamp.iter().enumerate().filter_map(|(i, c)| Some((format!("clamp.{i}.name"), c.name.as_ref()?)));
+    for (key, name) in chambers.chain(nodes).chain(markers).chain(clamps) {
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         require(&key, plain, "a name heads columns: letters, digits and `_`")?;
         require(&key, taken.insert(name.clone()), "names must be unique: they head columns")?;

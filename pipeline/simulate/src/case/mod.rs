@@ -248,6 +248,18 @@ pub struct Clamp {
     /// Axes; all when it is not said.
     #[serde(default = "all_axes")]
     pub hold: Vec<Axis>,
+    /// Where it moves them at level 1, m.
+    #[serde(default)]
+    pub displacement: Point3,
+    /// The prefix of the columns of its force on the body.
+    pub name: Option<String>,
+}
+
+impl Clamp {
+    /// Whether it moves its nodes.
+    pub(crate) fn is_displaced(&self) -> bool {
+        self.displacement != [0.0; 3]
+    }
 }
 
 /// An axis of space.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use fem::StaticSettings;
 
 use crate::body::Body;
-use crate::case::{Case, Static, read};
+use crate::case::{Case, Clamp, Static, read};
 use crate::{load, stem_of};
 use diagnostics::{Diagnostic, Result, output};
 use file::TrainingNote;
@@ -88,6 +88,7 @@ fn check_reducible(case: &Case) -> Result<()> {
         (case.gravity != [0.0; 3], "gravity"),
         (!case.load.is_empty(), "a load"),
         (case.contact.is_some(), "contact"),
+        (case.clamp.iter().any(Clamp::is_displaced), "a displaced clamp"),
         (case.chamber.iter().any(|chamber| chamber.sealed_in.is_some()), "a sealed chamber"),
     ];
     if let Some((_, cause)) = acting.iter().find(|(acts, _)| *acts) {
