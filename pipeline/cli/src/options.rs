@@ -159,7 +159,8 @@ pub enum Command {
     /// Identify a body from a free vibration test: Young's modulus from its static deflection, damping from the decay. A TOML file
     /// names recordings, markers and a case. The frequency and the first amplitude are then predicted. A file with test = "inflation"
     /// predicts a body whose chamber is inflated in a step, of the material that another fit wrote into the same folder; one with
-    /// test = "tension" fits a tensile test, and one with test = "joint" names several tests that share a material.
+    /// test = "tension", "compression" or "relaxation" fits a strip that is pulled, a cylinder that is pressed between plates on which it slides, or one
+    /// that is held; one with test = "joint" names several tests that share a material.
     Fit {
         /// The TOML file, or the name of one that comes with the project.
         page: PathBuf,
