@@ -59,7 +59,7 @@ impl Stage for MeshSensitivity {
     type Needs = Identified;
     type Makes = records::MeshSensitivity;
     const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
-    const VERSION: u32 = 10;
+    const VERSION: u32 = 11;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -109,8 +109,8 @@ impl IdentifiedFilms<'_> {
         let model = model_on_mesh(&card.body, &other_mesh, cells.nodes(), &identified)?;
         let dofs = 3 * model.system.mesh().nodes.len();
         let locks = matches!(cells, Cells::Tetrahedra { .. });
-        let best = identify_moduli(set, (&model, locks), &levels, &identified)?;
-        Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: moduli_at(&identified, &best.at) })
+        let (best, reduced_sigma) = identify_moduli(set, (&model, locks), &levels, &identified)?;
+        Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: moduli_at(&identified, &best.at), reduced_sigma })
     }
 }
 
@@ -127,13 +127,14 @@ fn moduli_at(identified: &Identified, point: &[f64]) -> Moduli {
 }
 
 /// Gauss-Newton over the logarithms of the moduli over the identified ones, in a reduced model that the whole mesh certifies. Elements that lock
-/// have their answer far from the start: what is not certified is searched on the whole mesh, which finer hexahedra neither need nor allow.
+/// have their answer far from the start: what is not certified is searched on the whole mesh, which finer hexahedra neither need nor allow. With
+/// the largest difference of a marker at the end, over its deviation, of a search in the reduced model.
 fn identify_moduli(
     set: &Settings,
     (model, locks): (&Model, bool),
     levels: &Misfit,
     identified: &Identified,
-) -> Result<Evaluation> {
+) -> Result<(Evaluation, Option<f64>)> {
     let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
     let mut whole_mesh = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
     let certification = CertifiedSearch::new(identified.elastic(model), Derivatives::Sensitivities, levels);
@@ -143,8 +144,10 @@ fn identify_moduli(
         Ok((elastic(&best.at), best))
     };
     match certification.run(&mut whole_mesh, &mut search_reduced, &|_| ()) {
-        Ok(certified) if certified.certificate.holds() || !locks => Ok(certified.found),
-        _ => minimise(set, (levels, identified), &elastic, &mut whole_mesh),
+        Ok(certified) if certified.certificate.holds() || !locks => {
+            Ok((certified.found, Some(certified.certificate.sigma)))
+        }
+        _ => Ok((minimise(set, (levels, identified), &elastic, &mut whole_mesh)?, None)),
     }
 }
 
