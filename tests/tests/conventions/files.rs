@@ -109,7 +109,7 @@ fn a_module_beside_its_folder_is_found() {
 }
 
 /// Lines of Rust in a crate beyond which it should be two. Tests do not count: no one should leave one out for want of lines.
-const MAX_CRATE_LINES: usize = 12_700;
+const MAX_CRATE_LINES: usize = 12_800;
 
 /// The number of lines before a file's tests.
 fn lines_of_code(text: &str) -> usize {

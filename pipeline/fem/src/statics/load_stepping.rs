@@ -192,13 +192,7 @@ impl SolverState {
         let line_search = NewtonOptions { globalisation, max_iterations: settings.max_iterations, ..full_steps };
         let loads = homotopy.loads_at(target);
         let (_, end) = &path[path.len() - 1];
-        let part = loads.applied_load().load_factor;
-        let last = self.with_clamps_at(&end.displacement, part);
-        let predicted = match path.len() {
-            1 => self.follow_clamps(&end.displacement, &end.pressures, part),
-            _ => extrapolated_shape(path, target),
-        };
-        let guess = self.admissible_shape(&last, predicted);
+        let [last, guess] = self.shapes_before((path, target), loads.applied_load().load_factor);
         let previous = (path.len() > 1 || self.moves_clamps()).then_some(end.displacement.as_slice());
         let state_from = |shape: &[f64]| {
             let (displacement, pressures) = (shape.to_vec(), loads.pressures.clone());
@@ -222,6 +216,18 @@ impl SolverState {
             let mut next = state_from(&last);
             self.pseudo_transient(&mut next, loads.applied_load(), &line_search).map(|count| (next, count))
         })
+    }
+
+    /// The end of a path with its clamps at a `part` of what is prescribed, and the shape predicted at s = `target`.
+    fn shapes_before(&mut self, (path, target): (&[(f64, Equilibrium)], f64), part: f64) -> [Vec<f64>; 2] {
+        let (_, end) = &path[path.len() - 1];
+        let last = self.with_clamps_at(&end.displacement, part);
+        let predicted = match path.len() {
+            1 => self.follow_clamps(&end.displacement, &end.pressures, part),
+            _ => extrapolated_shape(path, target),
+        };
+        let guess = self.admissible_shape(&last, predicted);
+        [last, guess]
     }
 
     /// Moves `at` to its equilibrium under `load` by Newton's method; returns the number of factorisations.

@@ -6,14 +6,14 @@ use lab::range::{Checked, within};
 
 use crate::budget::Budget;
 
+use super::check_clamp::check_clamp;
+use super::check_place::{FAR, check_place, check_vector};
 use super::check_source::check_source;
 use super::rule::require;
-use super::{ArcLength, Axis, Case, Chamber, Clamp, Dynamic, History, Load, Mass, Output, Place, Region, Static, Wave};
+use super::{ArcLength, Case, Chamber, Dynamic, History, Load, Mass, Output, Place, Region, Static, Wave};
 
 /// Largest pressure, Pa.
 const PRESSURE: f64 = 1e8;
-/// Largest coordinate, m.
-const FAR: f64 = 10.0;
 
 /// Checks all entries of a case.
 pub(super) fn check_case(case: &Case) -> Checked {
@@ -22,11 +22,7 @@ pub(super) fn check_case(case: &Case) -> Checked {
     let upright = !case.mesh.half || case.gravity[2] == 0.0;
     require("gravity", upright, "gravity on a half model has no part along z: that would break the symmetry")?;
     check_each("region", &case.region, check_region)?;
-    for (i, clamp) in case.clamp.iter().enumerate() {
-        check_clamp(&format!("clamp.{i}"), clamp)?;
-        require(&format!("clamp.{i}.hold"), !clamp.hold.is_empty(), "a clamp holds along at least one axis")?;
-        check_displacement(&format!("clamp.{i}"), clamp, case)?;
-    }
+    check_each("clamp", &case.clamp, |key, clamp| check_clamp(key, clamp, case))?;
     check_each("chamber", &case.chamber, check_chamber)?;
     check_each("load", &case.load, check_load)?;
     check_each("mass", &case.mass, check_mass)?;
@@ -69,47 +65,6 @@ fn check_relaxation(key: &str, region: &Region) -> Checked {
         require(&format!("{key}.springpot.decades"), rising, "two powers of ten that rise, between -9 and 9")?;
     }
     region.modulus_time.map_or(Ok(()), |time| within(&format!("{key}.modulus_time"), time, 0.0..=1e9, "s"))
-}
-
-/// A clamp holds the nodes of a place, or of a surface of the mesh file.
-fn check_clamp(key: &str, clamp: &Clamp) -> Checked {
-    if clamp.surface.is_none() {
-        return check_place(key, Place::of(clamp.plane, clamp.block));
-    }
-    require(key, clamp.plane.is_none() && clamp.block.is_none(), "it has one of plane, box and surface")
-}
-
-/// A clamp moves its nodes along the axes that it holds, in equilibria of single levels: motions hold clamps at rest, and paths follow loads.
-fn check_displacement(key: &str, clamp: &Clamp, case: &Case) -> Checked {
-    let name = |word: &str| format!("{key}.{word}");
-    check_vector(&name("displacement"), &clamp.displacement, FAR, "m")?;
-    let moves = |axis: Axis| clamp.displacement[axis as usize] != 0.0;
-    let along_held = [Axis::X, Axis::Y, Axis::Z].into_iter().all(|axis| !moves(axis) || clamp.hold.contains(&axis));
-    require(&name("displacement"), along_held, "a clamp moves along axes that it holds")?;
-    let is_symmetric = !case.mesh.half || !moves(Axis::Z);
-    require(
-        &name("displacement"),
-        is_symmetric,
-        "a clamp of a half model does not move along z: that would break the symmetry",
-    )?;
-    let is_level_by_level = case.statics.as_ref().is_some_and(|set| set.arc_length.is_none());
-    let rule = "clamps move in [static] without arc_length";
-    require(&name("displacement"), is_level_by_level || !clamp.is_displaced(), rule)?;
-    let rule = "a clamp's force is written of [static] without arc_length";
-    require(&name("name"), is_level_by_level || clamp.name.is_none(), rule)
-}
-
-fn check_place(key: &str, place: Option<Place>) -> Checked {
-    match place {
-        None => require(key, false, "it has either plane = { x = 0.0 } (or y, or z) or box = { low = …, high = … }"),
-        Some(Place::Plane(_, offset)) => within(&format!("{key}.plane"), offset, -FAR..=FAR, "m"),
-        Some(Place::Block(block)) => {
-            check_vector(&format!("{key}.box.low"), &block.low, FAR, "m")?;
-            check_vector(&format!("{key}.box.high"), &block.high, FAR, "m")?;
-            let ordered = (0..3).all(|k| block.low[k] <= block.high[k]);
-            require(&format!("{key}.box"), ordered, "low is not above high on any axis")
-        }
-    }
 }
 
 fn check_chamber(key: &str, chamber: &Chamber) -> Checked {
@@ -294,10 +249,6 @@ fn check_names(case: &Case) -> Checked {
         require(&key, taken.insert(name.clone()), "names must be unique: they head columns")?;
     }
     Ok(())
-}
-
-fn check_vector(key: &str, value: &[f64; 3], limit: f64, unit: &str) -> Checked {
-    value.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -limit..=limit, unit))
 }
 
 #[cfg(test)]

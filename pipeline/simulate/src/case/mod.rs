@@ -3,6 +3,8 @@
 //! Every key with its unit: [`keys`], which `study simulate --help` shows.
 
 mod check;
+mod check_clamp;
+mod check_place;
 mod check_source;
 mod history;
 mod loads;
