@@ -50,15 +50,18 @@ impl Part<'_> {
         solver.set_constants(&self.elastic)?;
         let (mut solved, mut equilibria) = (Solved::default(), Surrogate::default());
         for &number in numbers {
-            let (level, load) = (&self.levels[number], self.load(number));
-            let began = Instant::now();
-            let (equilibrium, passed) = self.level_equilibrium(level, &load, &equilibria, solver)?;
-            let forward_seconds = began.elapsed().as_secs_f64();
-            passed.iter().for_each(|shape| equilibria.add(shape.clone()));
-            solved.on_the_way.extend(passed);
-            let simulated = self
-                .simulate_level(number, &load, (equilibrium, forward_seconds), solver)
-                .map_err(|e| no_equilibrium(level, e))?;
+            let (load, began) = (self.load(number), Instant::now());
+            let simulated = match self.guessed_level(number, &load, &equilibria, solver) {
+                Some(simulated) => simulated,
+                None => {
+                    let (end, passed) = self.followed_equilibrium(number, &load, &equilibria, solver)?;
+                    let forward_seconds = began.elapsed().as_secs_f64();
+                    passed.iter().for_each(|shape| equilibria.add(shape.clone()));
+                    solved.on_the_way.extend(passed);
+                    let simulated = self.simulate_level(number, &load, (end, forward_seconds), solver);
+                    simulated.map_err(|e| no_equilibrium(&self.levels[number], e))?
+                }
+            };
             let (shape, slopes) = (simulated.shape.clone(), simulated.slopes.clone());
             equilibria.add(KnownShape { load, shape, slopes });
             solved.levels.push((number, simulated));
@@ -70,19 +73,32 @@ impl Part<'_> {
         Load::new(self.levels[level].filled(), self.levels[level].top(), &self.elastic, self.unit)
     }
 
-    /// The equilibrium of a level, and the shapes on the path that was followed where no guess led there.
-    fn level_equilibrium(
+    /// A level whose guess leads to a stable equilibrium.
+    // Beside a bifurcation Newton's method finds the saddle as readily as the minimum, whose derivatives are refused; the path of rising pressure
+    // stays on the stable side.
+    fn guessed_level(
         &self,
-        level: &PressureLevel,
+        number: usize,
+        load: &Load,
+        equilibria: &Surrogate,
+        solver: &mut dyn Statics,
+    ) -> Option<SimulatedLevel> {
+        let guess = Surrogate::predict(&[equilibria, self.known], load)?;
+        let began = Instant::now();
+        let equilibrium = self.equilibrium_near_guess(&self.levels[number], guess, solver).ok()?;
+        self.simulate_level(number, load, (equilibrium, began.elapsed().as_secs_f64()), solver).ok()
+    }
+
+    /// The equilibrium of a level at the end of a path to it, and the shapes on the way.
+    fn followed_equilibrium(
+        &self,
+        number: usize,
         load: &Load,
         equilibria: &Surrogate,
         solver: &mut dyn Statics,
     ) -> Result<(EquilibriumShape, Vec<KnownShape>)> {
-        let prediction = Surrogate::predict(&[equilibria, self.known], load);
-        let nearest = prediction.as_ref().map(|(nearest, _)| *nearest);
-        if let Some(Ok(equilibrium)) = prediction.map(|guess| self.equilibrium_near_guess(level, guess, solver)) {
-            return Ok((equilibrium, Vec::new()));
-        }
+        let level = &self.levels[number];
+        let nearest = Surrogate::predict(&[equilibria, self.known], load).map(|(nearest, _)| nearest);
         // A body of other constants may have its wall on the other side of a buckle, and the way from there crosses it backwards: such a level
         // took minutes. Below this one the same body has buckled or not on the way of rising pressure.
         let (below, undeformed) = (equilibria.below(load), KnownShape::at_rest(load, self.unknowns.count()));
