@@ -17,8 +17,8 @@ fn bar(poissons_ratio: f64, clamps: impl Fn(&Mesh) -> Clamps) -> System {
         box_mesh::quadratic_hexahedra([4, 2, 2], false, |at| [0, 1, 2].map(|axis| SIZE[axis] * at[axis]), |_| Some(0));
     let silicone =
         RegionProperties::elastic(materials::by_name("neo_hookean").unwrap(), MODULUS, poissons_ratio, 1070.0);
-    let held = clamps(&mesh);
-    System::new(mesh, vec![silicone], &held).unwrap()
+    let grips = clamps(&mesh);
+    System::new(mesh, vec![silicone], &grips).unwrap()
 }
 
 /// Rollers on the three sides at 0, and along x on the end.
@@ -62,8 +62,8 @@ fn a_bar_between_grips_that_let_it_thin_pulls_as_its_law_says() {
     let mesh = system.mesh();
     let mut solver = system.solver();
     for stretch in [0.6, 0.9, 1.5, 2.0, 3.0] {
-        let at = stretched(&mut solver, mesh, [(stretch - 1.0) * SIZE[0], 0.0, 0.0], None);
-        let force = reaction(&solver, mesh, &at)[0];
+        let equilibrium = stretched(&mut solver, mesh, [(stretch - 1.0) * SIZE[0], 0.0, 0.0], None);
+        let force = reaction(&solver, mesh, &equilibrium)[0];
         // an incompressible neo-Hookean bar: μ (λ − λ⁻²) A
         let exact = MODULUS / 3.0 * (stretch - stretch.powi(-2)) * SIZE[1] * SIZE[2];
         assert!((force / exact - 1.0).abs() < 3e-3, "{stretch}: {force} {exact}");
@@ -76,8 +76,8 @@ fn the_reaction_of_a_grip_is_the_derivative_of_the_energy_by_its_motion() {
     let (mesh, mut solver) = (system.mesh(), system.solver());
     for motion in [[0.016, 0.0, 0.0], [-0.006, 0.004, 0.0], [0.0, 0.01, 0.005]] {
         let mut energy_at = |part: f64| {
-            let at = stretched(&mut solver, mesh, motion.map(|u| part * u), None);
-            (solver.elastic_energy(&at.displacement).unwrap(), reaction(&solver, mesh, &at))
+            let equilibrium = stretched(&mut solver, mesh, motion.map(|u| part * u), None);
+            (solver.elastic_energy(&equilibrium.displacement).unwrap(), reaction(&solver, mesh, &equilibrium))
         };
         let step = 1e-4;
         let [(above, _), (below, _), (_, force)] = [1.0 + step, 1.0 - step, 1.0].map(&mut energy_at);
@@ -95,13 +95,13 @@ fn a_level_started_from_the_one_before_ends_where_load_stepping_does() {
     let from_half = stretched(&mut solver, mesh, [0.024, 0.0, 0.0], Some(&half));
     let from_rest = stretched(&mut solver, mesh, [0.024, 0.0, 0.0], None);
     assert!(!from_half.load_stepped && from_rest.load_stepped && from_half.factorisations < from_rest.factorisations);
-    let apart =
+    let difference =
         from_half.displacement.iter().zip(&from_rest.displacement).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(apart < 1e-9, "{apart:e}");
+    assert!(difference < 1e-9, "{difference:e}");
     // and back at rest nothing is left
     solver.prescribe(&[]).unwrap();
-    let rest = solver.equilibrium(&[], Some(&from_half.displacement), &SETTINGS).unwrap();
-    assert!(rest.displacement.iter().all(|u| u.abs() < 1e-9));
+    let unloaded = solver.equilibrium(&[], Some(&from_half.displacement), &SETTINGS).unwrap();
+    assert!(unloaded.displacement.iter().all(|u| u.abs() < 1e-9));
 }
 
 #[test]
@@ -109,11 +109,11 @@ fn sensitivities_at_a_stretched_shape_are_differences() {
     let system = bar(0.45, grips);
     let (mesh, mut solver) = (system.mesh(), system.solver());
     let motion = [0.02, 0.003, 0.0];
-    let at = stretched(&mut solver, mesh, motion, None);
-    let derivative = solver.sensitivity(&at, Parameter::PoissonsRatio(0)).unwrap();
+    let equilibrium = stretched(&mut solver, mesh, motion, None);
+    let derivative = solver.sensitivity(&equilibrium, Parameter::PoissonsRatio(0)).unwrap();
     let mut shape = |ratio: f64| {
         solver.set_elastic(0, MODULUS, ratio).unwrap();
-        stretched(&mut solver, mesh, motion, Some(&at)).displacement
+        stretched(&mut solver, mesh, motion, Some(&equilibrium)).displacement
     };
     let (above, below) = (shape(0.4501), shape(0.4499));
     let largest = derivative.iter().fold(0.0, |most: f64, u| most.max(u.abs()));

@@ -37,8 +37,8 @@ impl Held {
 
     /// Moves the clamps to a `level` of the case, where there is one: that of an equilibrium solved before is not that of what follows.
     pub(crate) fn move_clamps(&mut self, case: Option<&OfCase>, level: f64) -> PyResult<()> {
-        let moved = case.map_or(Ok(()), |of| of.loads.move_clamps(&mut self.solver, level));
-        moved.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
+        let outcome = case.map_or(Ok(()), |of| of.loads.move_clamps(&mut self.solver, level));
+        outcome.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
     }
 }
 

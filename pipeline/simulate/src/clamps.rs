@@ -42,12 +42,12 @@ impl HeldNodes {
                 held.clamps.constrain(node, axes);
                 for axis in (0..3).filter(|&axis| axes[axis]) {
                     let displacement = clamp.displacement[axis];
-                    let before = displacements.insert(3 * node as usize + axis, displacement);
-                    if let Some(before) = before.filter(|before| *before != displacement) {
+                    let former = displacements.insert(3 * node as usize + axis, displacement);
+                    if let Some(former) = former.filter(|former| *former != displacement) {
                         return Err(contradiction(
                             number,
                             (node, loaded.solid.nodes()[node as usize]),
-                            [before, displacement],
+                            [former, displacement],
                         ));
                     }
                 }

@@ -19,19 +19,22 @@ impl SolverState {
 
     /// The same displacement with constrained dofs at `factor` of what is prescribed.
     pub(crate) fn with_clamps_at(&self, displacement: &[Metre], factor: f64) -> Vec<Metre> {
-        let mut held = self.with_constraints(displacement);
-        held.iter_mut().zip(&self.inputs.prescribed).for_each(|(u, prescribed)| *u += factor * prescribed);
-        held
+        let mut shape = self.with_constraints(displacement);
+        shape.iter_mut().zip(&self.inputs.prescribed).for_each(|(u, prescribed)| *u += factor * prescribed);
+        shape
     }
 
     /// The shape `from` with its clamps moved to `factor` of what is prescribed, and its other nodes by −K⁻¹ K_c of that motion; they stay
     /// where that tangent, under `pressures` (one per chamber, Pa), is not positive definite.
     pub(crate) fn follow_clamps(&mut self, from: &[Metre], pressures: &[Pascal], factor: f64) -> Vec<Metre> {
-        let moved = self.with_clamps_at(from, factor);
-        let motion: Vec<Metre> = moved.iter().zip(from).map(|(to, from)| to - from).collect();
+        let shape = self.with_clamps_at(from, factor);
+        if !self.moves_clamps() {
+            return shape;
+        }
+        let motion: Vec<Metre> = shape.iter().zip(from).map(|(to, from)| to - from).collect();
         let largest = motion.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
-        if !self.moves_clamps() || largest == 0.0 {
-            return moved;
+        if largest == 0.0 {
+            return shape;
         }
         let part = DIFFERENCE * self.data.size / largest;
         let nearby: Vec<Metre> = from.iter().zip(&motion).map(|(u, motion)| u + part * motion).collect();
@@ -47,10 +50,10 @@ impl SolverState {
         potential.hessian(from, &[], HessianKind::Exact, &mut newton.tangent);
         let mut free = data.pattern.gather(&change);
         if newton.factorise(&potential, from, &free).is_err() {
-            return moved;
+            return shape;
         }
         newton.solve(data, &mut free);
-        let response = data.pattern.scattered(&free, -1.0, moved.len());
-        moved.iter().zip(response).map(|(u, response)| u + response).collect()
+        let response = data.pattern.scattered(&free, -1.0, shape.len());
+        shape.iter().zip(response).map(|(u, response)| u + response).collect()
     }
 }

@@ -43,8 +43,8 @@ impl StressedSpecimen {
             let level = places.iter().copied().fold(0.0, f64::max);
             let weight = if is_fitted { (POINTS as f64 / INDEPENDENT).sqrt() } else { 1.0 };
             let quantities = loaded.iter().map(|state| stress_quantity(page.test, state, weight)).collect();
-            let place = place_text(page.test, level);
-            let name = if is_fitted { page.name.clone() } else { format!("{} at {place}", page.name) };
+            let suffix = place_text(page.test, level);
+            let name = if is_fitted { page.name.clone() } else { format!("{} at {suffix}", page.name) };
             conditions.push(Condition { name, level, fitted: is_fitted, quantities });
             states.push(loaded);
         }
@@ -93,11 +93,11 @@ fn fitted_places(page: &Page) -> Vec<f64> {
 fn recorded_state(recording: &Recording, page: &Page, place: f64) -> Result<Loaded> {
     recording.at(place).ok_or_else(|| {
         let message = format!("the specimen was not recorded at {}", place_text(page.test, place));
-        let why = match page.test {
+        let reason = match page.test {
             Kind::Relaxation => "it was not held so long",
             Kind::Tension | Kind::Compression => "it lies outside of the rows before its break",
         };
-        Diagnostic::new(message, why, "correct `fitted` and `predicted`")
+        Diagnostic::new(message, reason, "correct `fitted` and `predicted`")
     })
 }
 
@@ -106,8 +106,8 @@ fn place_text(kind: Kind, place: f64) -> String {
 }
 
 fn stress_quantity(kind: Kind, state: &Loaded, weight: f64) -> Quantity {
-    let place = if kind == Kind::Relaxation { state.held } else { state.strain };
-    let name = format!("stress at {}", place_text(kind, place));
+    let coordinate = if kind == Kind::Relaxation { state.held } else { state.strain };
+    let name = format!("stress at {}", place_text(kind, coordinate));
     Quantity { name, unit: "kPa", measured: Some(1e-3 * state.stress), sigma: SIGMA * weight }
 }
 
