@@ -13,6 +13,11 @@ const FORWARD: f64 = 1e-7;
 const SLOPE: f64 = 0.05;
 /// A remainder below this fraction of the loss's change is rounding: a linear loss passes.
 const STRAIGHT: f64 = 1e-7;
+/// A change of the loss, which is of order one, below this is rounding: the parameter does not act, as a modulus does not
+/// between grips whose displacement is given, and no relative difference of such a gradient means anything.
+const ROUNDING: f64 = 1e-10;
+/// How often a perturbation is divided by four where a parabola does not describe the loss over it.
+const DIVISIONS: i32 = 2;
 
 /// The result for one parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,19 +42,47 @@ impl Line {
     }
 }
 
-/// Perturbs one parameter and evaluates the result.
+/// Perturbs one parameter, by less where the differences have not converged, and evaluates the result.
 pub(super) fn evaluate_line(
     parameter: &CaseParameter,
     backward: f64,
     forward: f64,
     mut loss: impl FnMut(f64) -> Result<f64>,
 ) -> Result<Line> {
+    let gradients = [backward, forward];
+    let mut line = evaluate_perturbation(parameter, gradients, &mut loss)?;
+    for division in 1..=DIVISIONS {
+        if line.holds() {
+            break;
+        }
+        let scale = 0.25f64.powi(division);
+        let closer = CaseParameter { turn: scale * parameter.turn, ..parameter.clone() };
+        line = evaluate_perturbation(&closer, gradients, &mut |part| loss(scale * part))?;
+    }
+    Ok(line)
+}
+
+fn evaluate_perturbation(
+    parameter: &CaseParameter,
+    [backward, forward]: [f64; 2],
+    loss: &mut impl FnMut(f64) -> Result<f64>,
+) -> Result<Line> {
+    let turn = parameter.turn;
     let [above, below] = [loss(1.0)?, loss(-1.0)?];
+    if [above - below, backward * turn, forward * turn].iter().all(|change| change.abs() < ROUNDING) {
+        return Ok(Line {
+            name: parameter.name.clone(),
+            backward,
+            off_differences: 0.0,
+            off_forward: 0.0,
+            slope: None,
+        });
+    }
     let [near_above, near_below] = [loss(0.5)?, loss(-0.5)?];
-    let (wide, close) = ((above - below) / (2.0 * parameter.turn), (near_above - near_below) / parameter.turn);
+    let (wide, close) = ((above - below) / (2.0 * turn), (near_above - near_below) / turn);
     let difference = (4.0 * close - wide) / 3.0;
     let loss_at_case = loss(0.0)?;
-    let remainder = |there: f64, part: f64| (there - loss_at_case - part * parameter.turn * backward).abs();
+    let remainder = |there: f64, part: f64| (there - loss_at_case - part * turn * backward).abs();
     let (far, near) = (remainder(near_above, 0.5), remainder(loss(0.25)?, 0.25));
     let straight = far < STRAIGHT * (above - below).abs();
     let relative_error = |other: f64| (backward - other).abs() / other.abs().max(f64::MIN_POSITIVE);
@@ -123,6 +156,21 @@ mod tests {
     #[test]
     fn a_gradient_off_by_a_hundred_thousandth_fails() {
         assert!(!judged(1f64.exp() * (1.0 + 1e-5)).holds());
+    }
+
+    #[test]
+    fn a_parameter_that_does_not_act_holds_only_with_a_gradient_of_zero() {
+        let parameter = CaseParameter { name: "θ".into(), parameter: Parameter::MassDamping, value: 1.0, turn: 0.01 };
+        let line = |backward: f64| evaluate_line(&parameter, backward, backward, |_| Ok(1.0)).unwrap();
+        assert!(line(1e-20).holds() && !line(1e-3).holds());
+    }
+
+    /// ln θ at 1 over steps of 0.1: no parabola.
+    #[test]
+    fn a_perturbation_that_is_too_large_is_divided() {
+        let parameter = CaseParameter { name: "θ".into(), parameter: Parameter::MassDamping, value: 1.0, turn: 0.1 };
+        let line = evaluate_line(&parameter, 1.0, 1.0, |part| Ok((1.0 + 0.1 * part).ln())).unwrap();
+        assert!(line.holds(), "{line:?}");
     }
 
     #[test]
