@@ -19,8 +19,6 @@ use crate::twin::{Twin, largest_entry};
 use crate::workspace::Workspace;
 use wide::f32x8;
 
-/// Iterations at most; a step that needs more is halved.
-const MAX_ITERATIONS: usize = 30;
 /// A step that leaves more than this fraction of the one before asks for a new tangent. With 0.1 and the former stress throughout, a tail of thin walls
 /// in air took 4.9 tangents a step for 3.0, and two thirds of the speed; one of thick walls moves as fast with either.
 const REFRESH_ABOVE: f64 = 0.3;
@@ -83,7 +81,7 @@ impl<'a> Equations<'a> {
         let mut is_usable = (gamma / self.stencil.gamma - 1.0).abs() < SAME;
         let tolerance = self.tolerance();
         let mut size = f64::INFINITY;
-        for iteration in 0..MAX_ITERATIONS {
+        for iteration in 0..self.twin.max_iterations {
             std::mem::swap(&mut self.space.change, &mut self.space.former_change);
             if !(is_usable && self.update_change(iteration > 0)) {
                 self.refresh_tangent(iteration < FORMER).then_some(()).ok_or(self.failure(size))?;
@@ -116,7 +114,7 @@ impl<'a> Equations<'a> {
     }
 
     fn failure(&self, change: f64) -> TwinError {
-        TwinError::NoConvergence { time: self.start_time, iterations: MAX_ITERATIONS, change }
+        TwinError::NoConvergence { time: self.start_time, iterations: self.twin.max_iterations, change }
     }
 
     fn is_finite(&self) -> bool {

@@ -11,6 +11,8 @@ use crate::workspace::Workspace;
 /// Largest size of the last iteration, relative to the largest shape. 1e-7 takes a tenth longer and moves the tip of a flapping tail by 2e-3 %
 /// of its length; 1e-4 excites the stiff sheet and moves it by 4 %.
 const TOLERANCE: f64 = 1e-6;
+/// Iterations of a step at most, unless a caller sets them; a step that needs more is halved.
+const MAX_ITERATIONS: usize = 30;
 /// Least tolerance: rounding.
 const LEAST: f64 = 1e-11;
 /// Part of a chamber's range by which a pressure may lie beyond it: the noise of a gauge and the overshoot of a valve.
@@ -26,6 +28,7 @@ pub struct Twin {
     pub(crate) water: Option<Water>,
     outputs: Vec<Output>,
     pub(crate) tolerance: f64,
+    pub(crate) max_iterations: usize,
 }
 
 impl Twin {
@@ -39,7 +42,13 @@ impl Twin {
         let solids = data.regions.iter().map(|region| Solid::new(region, r)).collect();
         let water = (!data.sections.is_empty()).then(|| Water::new(&data.sections, r));
         let TwinData { mass, size, chambers, outputs, .. } = data;
-        Ok(Self { mass, size, solids, chambers, water, outputs, tolerance: TOLERANCE })
+        Ok(Self { mass, size, solids, chambers, water, outputs, tolerance: TOLERANCE, max_iterations: MAX_ITERATIONS })
+    }
+
+    /// The same with other iterations of a step at most, 30 unless set: a step that needs more is halved. Fewer bound the time of an attempt.
+    #[must_use]
+    pub fn with_iterations(self, most: usize) -> Self {
+        Self { max_iterations: most.max(1), ..self }
     }
 
     /// The same with another tolerance of a step: the largest size of its last iteration relative to the largest shape, 1e-6 unless set.
