@@ -135,6 +135,31 @@ impl Relaxation {
         1.0 + self.branches.iter().map(|branch| branch.strength * (-time / branch.time).exp()).sum::<f64>()
     }
 
+    /// The stress over μ and the strain, a time after a step of stress that is held: one over the creep compliance. It is above
+    /// [`Relaxation::modulus`], as creep lags behind relaxation.
+    // The convolution with the strain, linear over steps that grow by a tenth, exactly in each branch.
+    pub fn creep_modulus(&self, time: Second) -> f64 {
+        const STEPS: i32 = 120;
+        if self.is_none() || time.is_infinite() {
+            return 1.0;
+        }
+        let mut strain = 1.0 / self.modulus(0.0);
+        let mut stresses: Vec<f64> = self.branches.iter().map(|branch| branch.strength * strain).collect();
+        let mut passed = 0.0;
+        for step in (0..STEPS).rev() {
+            let next = time * 1.1_f64.powi(-step);
+            let decay = |branch: &Branch| (-(next - passed) / branch.time).exp();
+            let mean_decay = |branch: &Branch| branch.time / (next - passed) * (1.0 - decay(branch));
+            stresses.iter_mut().zip(&self.branches).for_each(|(stress, branch)| *stress *= decay(branch));
+            let stiffness: f64 = self.branches.iter().map(|branch| branch.strength * mean_decay(branch)).sum();
+            let increment = (1.0 - strain - stresses.iter().sum::<f64>()) / (1.0 + stiffness);
+            let gains = self.branches.iter().map(|branch| branch.strength * mean_decay(branch) * increment);
+            stresses.iter_mut().zip(gains).for_each(|(stress, gain)| *stress += gain);
+            (strain, passed) = (strain + increment, next);
+        }
+        1.0 / strain
+    }
+
     /// Storage and loss modulus over μ at an angular frequency `omega`, rad/s.
     pub fn complex_modulus(&self, omega: f64) -> [f64; 2] {
         self.branches.iter().fold([1.0, 0.0], |[storage, loss], branch| {
@@ -166,6 +191,18 @@ mod tests {
     use super::*;
 
     const SILICONE: Springpot = Springpot { strength: 0.06, exponent: 0.27, decades: [-5, 4] };
+
+    /// J = 1 − g/(1 + g) e^(−t/τ(1+g)) of the standard linear solid.
+    #[test]
+    fn a_held_stress_creeps_with_the_time_of_retardation() {
+        let (strength, relaxation_time) = (0.3, 0.4);
+        let solid = Relaxation::maxwell(&[Branch { strength, time: relaxation_time }]).unwrap();
+        for time in [1e-6, 0.01, 0.3, 2.0, f64::INFINITY] {
+            let compliance = 1.0 - strength / (1.0 + strength) * (-time / (relaxation_time * (1.0 + strength))).exp();
+            assert!((solid.creep_modulus(time) * compliance - 1.0).abs() < 1e-4, "{time}");
+            assert!(solid.creep_modulus(time) >= solid.modulus(time) - 1e-12);
+        }
+    }
 
     /// μ* = 1 + (iωτ₀)ⁿ of Ecoflex 00-30, τ₀ = 260 µs, n = 0.27.
     #[test]
