@@ -280,6 +280,15 @@ impl Solver {
         self.state.equilibrium_sensitivity(at, parameter)
     }
 
+    /// Factorises the tangent at the equilibrium `at` before several sensitivities or adjoints of it, which then cost one solve each; without it
+    /// each takes the iterations of PCG with the factor that Newton's method left, cheaper for one or two.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the equilibrium is not stable, or a list has the wrong length.
+    pub fn factorise_at(&mut self, at: &Equilibrium) -> Result<(), SolveError> {
+        self.state.factorise_at(at)
+    }
+
     /// Σ du/dθ δθ at the equilibrium `at` over the (θ, δθ) of `direction`, by one solve: 3 entries per node, m.
     ///
     /// # Errors

@@ -132,18 +132,35 @@ impl SolverState {
 
     /// K⁻¹ b at the equilibrium `at`, both 3 entries per node; zero at constrained dofs.
     pub(crate) fn solve_at(&mut self, at: &Equilibrium, b: &[f64]) -> Result<Vec<f64>, SolveError> {
+        self.linearise_at(at)?;
+        let Self { data, inputs, newton, .. } = self;
+        let potential = inputs.at_rest(data, &at.pressures);
+        let free = data.pattern.gather(b);
+        let (x, _) = newton.tangent_solve(&potential, &at.displacement, &free, ADJOINT).ok_or(SolveError::NotStable)?;
+        Ok(data.pattern.scattered(&x, 1.0, b.len()))
+    }
+
+    /// See [`crate::Solver::factorise_at`].
+    pub(crate) fn factorise_at(&mut self, at: &Equilibrium) -> Result<(), SolveError> {
+        self.linearise_at(at)?;
+        let Self { data, inputs, newton, .. } = self;
+        let potential = inputs.at_rest(data, &at.pressures);
+        let mut probe = vec![0.0; data.pattern.dofs()];
+        data.pattern.multiply(&newton.tangent, &vec![1.0; probe.len()], &mut probe);
+        newton.factorise(&potential, &at.displacement, &probe).map_err(|_| SolveError::NotStable)
+    }
+
+    /// Assembles the exact tangent at `at`, unless it is that of the last call.
+    fn linearise_at(&mut self, at: &Equilibrium) -> Result<(), SolveError> {
         self.check_field("the displacement", &at.displacement)?;
         self.check_pressures(&at.pressures)?;
         self.couple_contact(&at.displacement)?;
         let Self { data, inputs, newton, linearised } = self;
-        let potential = inputs.at_rest(data, &at.pressures);
         let is_same = |state: &Equilibrium| state.displacement == at.displacement && state.pressures == at.pressures;
         if !linearised.as_ref().is_some_and(is_same) {
-            newton.linearise(&potential, &at.displacement);
+            newton.linearise(&inputs.at_rest(data, &at.pressures), &at.displacement);
             *linearised = Some(at.clone());
         }
-        let free = data.pattern.gather(b);
-        let (x, _) = newton.tangent_solve(&potential, &at.displacement, &free, ADJOINT).ok_or(SolveError::NotStable)?;
-        Ok(data.pattern.scattered(&x, 1.0, b.len()))
+        Ok(())
     }
 }
