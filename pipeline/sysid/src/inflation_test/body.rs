@@ -1,34 +1,29 @@
-//! The inflated body: its mesh, with the sections of its chambers scaled, and the motion of its tip after a step of pressure.
+//! The inflated body: its mesh, with the sections of its chambers scaled, and what its tip does under the pressure of a recording.
 
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use fem::{DynamicSettings, InitialValueProblem, State, StaticSettings, StepControl};
 use mesh::Surface;
-use nalgebra::Vector3;
 use si::{Metre, Point3, Second};
 
+use super::carried::{Carried, carried_markers, mean_marker_displacement};
+use super::hold::Hold;
+use super::inflated::{Inflated, Shape};
 use super::page::{Page, Recording, Supply};
-use crate::{IdentifiedMaterial, rigid};
+use crate::IdentifiedMaterial;
 use diagnostics::{Diagnostic, Result, input};
-use simulate::case::{self, Case};
+use simulate::case::{self, Case, History};
 use simulate::{Body, Loaded, load};
-
-/// Nodes within this distance of the point that carries a marker turn it: about a quarter of the arm's diameter, so that their rotation
-/// is not that of one element.
-const PATCH: Metre = 0.010;
-
-/// A marker on its arm, with the nodes around the point that carries it: their number, and −1 for a mirror image at z < 0.
-pub(crate) struct Carried {
-    at: Vector3<f64>,
-    patch: Vec<(usize, f64)>,
-}
 
 /// A meshed body.
 pub(super) struct Meshed {
     case: Case,
     loaded: Loaded,
     carried: Vec<Carried>,
-    along: usize,
+    page: Page,
+    /// The equilibria of each law that was asked for.
+    families: Mutex<Vec<(String, Arc<Inflated>)>>,
     /// Least distance between a chamber and the outside across the body, m; none for a body that comes as a mesh.
     pub wall: Option<Metre>,
 }
@@ -49,7 +44,7 @@ impl Meshed {
     /// # Errors
     /// A [`Diagnostic`] when case, surface or mesh are refused, or a marker's carrier is not on the body.
     pub fn new(page: &Page, case: &Case, folder: &Path, section: (f64, &Path)) -> Result<Self> {
-        let mut case = check_case(case.clone())?;
+        let mut case = check_case(page, case.clone())?;
         let (ratio, out) = section;
         let mut wall = None;
         let loaded = match &case.mesh.body {
@@ -69,15 +64,47 @@ impl Meshed {
             }
         };
         let carried = carried_markers(page, &loaded)?;
-        Ok(Self { case, loaded, carried, along: page.along as usize, wall })
+        Ok(Self { case, loaded, carried, page: page.clone(), families: Mutex::default(), wall })
     }
 
-    /// Motion of the tip from its place at ambient pressure, under the pressure that `supply` makes of `recording`, until the time `end`
-    /// (s) after its hold's begin.
+    /// What the tip does from its place at ambient pressure, under the pressure that `supply` makes of `recording`, until the time `end`
+    /// (s) after its hold's begin: equilibria of a step that is held, begun at those that are `known`, and a motion under a history.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the constants are refused, or the body has no equilibrium before the step.
     pub fn inflate(
+        &self,
+        material: &IdentifiedMaterial,
+        (recording, supply): (&Recording, &Supply),
+        end: Second,
+        known: &mut Vec<Arc<Shape>>,
+    ) -> Result<Course> {
+        match recording.pressure {
+            History::Constant(pressure) => {
+                let body = self.family(&material.material)?;
+                let [early, late] = self.page.feature_times(recording);
+                let solved = if end < late { vec![early] } else { vec![early, late] };
+                Hold { body: &body, material, supply, pressure }.course(end, &solved, known)
+            }
+            _ => self.motion(material, (recording, supply), end),
+        }
+    }
+
+    /// The equilibria of the law `name`.
+    fn family(&self, name: &str) -> Result<Arc<Inflated>> {
+        let mut families = self.families.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, family)) = families.iter().find(|(known, _)| known == name) {
+            return Ok(Arc::clone(family));
+        }
+        let mut case = self.case.clone();
+        name.clone_into(&mut case.region[0].material);
+        let family = Arc::new(Inflated::new(&self.page, &case, &self.loaded)?);
+        families.push((name.to_owned(), Arc::clone(&family)));
+        Ok(family)
+    }
+
+    /// The motion with inertia.
+    pub(super) fn motion(
         &self,
         material: &IdentifiedMaterial,
         (recording, supply): (&Recording, &Supply),
@@ -100,8 +127,6 @@ impl Meshed {
         let mut tip = vec![(0.0, self.tip_displacement(&initial.displacement) - ambient_tip)];
         let mut observe =
             |time: Second, state: &State| tip.push((time, self.tip_displacement(&state.displacement) - ambient_tip));
-        // A motion and no static path: the wall has a limit point, and load stepping found no equilibrium of the arm
-        // above 140 mbar within minutes.
         let burst =
             solver.integrate_adaptive(&problem, &control, end, &mut observe).err().map(|error| error.to_string());
         Ok(Course { tip, burst })
@@ -119,55 +144,17 @@ impl Meshed {
 
     /// Mean displacement of the compared markers, m.
     fn tip_displacement(&self, displacement: &[f64]) -> Metre {
-        mean_marker_displacement(&self.carried, self.loaded.solid.nodes(), displacement)[self.along]
+        mean_marker_displacement(&self.carried, self.loaded.solid.nodes(), displacement)[self.page.along as usize]
     }
 }
 
-/// Mean displacement of markers, which turn with the nodes that carry them, m.
-pub(crate) fn mean_marker_displacement(markers: &[Carried], nodes: &[Point3], displacement: &[f64]) -> Vector3<f64> {
-    let marker_displacement = |marker: &Carried| {
-        let initial: Vec<_> = marker.patch.iter().map(|node| node_position(nodes, *node)).collect();
-        let node_displacement = |node: &(usize, f64)| {
-            let u = &displacement[3 * node.0..3 * node.0 + 3];
-            Vector3::new(u[0], u[1], node.1 * u[2])
-        };
-        let deformed: Vec<_> = initial.iter().zip(&marker.patch).map(|(x, node)| x + node_displacement(node)).collect();
-        let deformed_marker = rigid::best_rotation(&initial, &deformed) * (marker.at - rigid::mean_point(&initial))
-            + rigid::mean_point(&deformed);
-        deformed_marker - marker.at
-    };
-    markers.iter().map(marker_displacement).sum::<Vector3<f64>>() / markers.len() as f64
-}
-
-fn node_position(nodes: &[Point3], (node, side): (usize, f64)) -> Vector3<f64> {
-    let [x, y, z] = nodes[node];
-    Vector3::new(x, y, side * z)
-}
-
-pub(crate) fn carried_markers(page: &Page, loaded: &Loaded) -> Result<Vec<Carried>> {
-    let nodes = loaded.solid.nodes();
-    // The mirror image as well: the nodes of one half turn out of the plane of symmetry, those of both do not.
-    let sides: &[f64] = if loaded.solid.half() { &[1.0, -1.0] } else { &[1.0] };
-    let mut markers = Vec::new();
-    for marker in page.marker.iter().filter(|marker| marker.compared) {
-        let Some(carrier) = marker.on.map(Vector3::from) else { continue };
-        let candidates = (0..nodes.len()).flat_map(|node| sides.iter().map(move |side| (node, *side)));
-        let patch: Vec<_> = candidates.filter(|node| (node_position(nodes, *node) - carrier).norm() < PATCH).collect();
-        if patch.len() < 4 {
-            let message = format!("the marker {} stands on no body: {carrier:?} m", marker.names.join(", "));
-            let reason = format!("{} nodes lie within {PATCH} m of it", patch.len());
-            return Err(Diagnostic::new(message, reason, "correct `on` of the [[marker]] on the page"));
-        }
-        markers.push(Carried { at: Vector3::from(marker.at), patch });
-    }
-    Ok(markers)
-}
-
-fn check_case(mut case: Case) -> Result<Case> {
+fn check_case(page: &Page, mut case: Case) -> Result<Case> {
     let fits = case.region.len() == 1 && case.chamber.len() == 1;
     let adaptive = case.dynamic.as_ref().is_some_and(|set| set.adaptive.is_some());
-    if !fits || !adaptive {
-        let reason = "one material and one inflated chamber are compared, with adaptive steps of [dynamic]";
+    let has_history = page.recording.iter().any(|recording| !matches!(recording.pressure, History::Constant(_)));
+    if !fits || (has_history && !adaptive) {
+        let reason =
+            "one material and one inflated chamber are compared, under a history with adaptive steps of [dynamic]";
         return Err(Diagnostic::new(
             "the case is not that of an inflation test",
             reason,

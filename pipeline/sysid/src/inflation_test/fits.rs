@@ -1,12 +1,15 @@
 //! What the page's materials make of each recording: as another body identified them, and fitted to inflations.
 //!
 //! Logarithms of displacement ratios are fitted by Gauss and Newton's method with Broyden's updates of the Jacobian [broyden1965]: a
-//! simulation costs ten seconds, and the displacement is close to a power of the modulus.
+//! motion under a history costs ten seconds, and the displacement is close to a power of the modulus.
+
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::body::{Course, Meshed};
+use super::inflated::Shape;
 use super::page::Page;
 use super::recorded::{Features, Recorded};
 use crate::IdentifiedMaterial;
@@ -123,26 +126,32 @@ impl Bench<'_> {
     }
 
     fn predict_row(&self, name: &str, (material, missing): (IdentifiedMaterial, Pascal), body: &Meshed) -> Result<Row> {
+        let mut known = Vec::new();
         let predict = |k: usize| {
             let recording = &self.page.recording[k];
             let duration = recording.duration();
-            let course = body.inflate(&material, (recording, &self.page.supply(missing)), duration)?;
+            let course = body.inflate(&material, (recording, &self.page.supply(missing)), duration, &mut known)?;
             let features = course.burst.is_none().then(|| Features::of(self.page, duration, &course.tip));
             Ok(Prediction { course, features })
         };
-        let predictions = (0..self.recorded.len()).into_par_iter().map(predict).collect::<Result<_>>()?;
+        let predictions = (0..self.recorded.len()).map(predict).collect::<Result<_>>()?;
         let (name, wall) = (name.to_owned(), body.wall);
         Ok(Row { name, modulus_ratio: 1.0, material, missing, used: Vec::new(), end: None, wall, predictions })
     }
 
     /// Logarithms of simulated over measured displacement soon after the step, and with `free` parameters that the creep shows, at the
     /// end of the hold.
-    fn log_ratios(&self, source: &IdentifiedMaterial, (point, free): (Point, usize), k: usize) -> Result<Vec<f64>> {
+    fn log_ratios(
+        &self,
+        source: &IdentifiedMaterial,
+        (point, free): (Point, usize),
+        (k, known): (usize, &mut Vec<Arc<Shape>>),
+    ) -> Result<Vec<f64>> {
         let (recording, measured) = (&self.page.recording[k], self.recorded[k].features);
         let hold = recording.duration();
         let end = if quantity_count(free) > 1 { hold } else { self.page.early[1] };
         let supply = self.page.supply(missing_pressure(point));
-        let course = self.body.inflate(&self.scaled_material(source, point), (recording, &supply), end)?;
+        let course = self.body.inflate(&self.scaled_material(source, point), (recording, &supply), end, known)?;
         if course.burst.is_some() {
             return Ok(vec![BURST; quantity_count(free)]);
         }
@@ -159,12 +168,13 @@ impl Bench<'_> {
         (points, free): (&[Point], usize),
         used: &[usize],
     ) -> Result<Vec<DVector<f64>>> {
-        let jobs: Vec<_> = points.iter().flat_map(|point| used.iter().map(move |k| (*point, *k))).collect();
-        let residuals = jobs
-            .par_iter()
-            .map(|(point, k)| self.log_ratios(source, (*point, free), *k))
-            .collect::<Result<Vec<_>>>()?;
-        Ok(residuals.chunks_exact(used.len()).map(|values| DVector::from_vec(values.concat())).collect())
+        // Each point's recordings in turn, from the equilibria of those before.
+        let residuals = |point: &Point| -> Result<DVector<f64>> {
+            let mut known = Vec::new();
+            let ratios = used.iter().map(|k| self.log_ratios(source, (*point, free), (*k, &mut known)));
+            Ok(DVector::from_vec(ratios.collect::<Result<Vec<_>>>()?.concat()))
+        };
+        points.par_iter().map(residuals).collect()
     }
 
     /// The residuals of `used` and their Jacobian by the first `free` parameters, by differences; all but these are those of `point`.

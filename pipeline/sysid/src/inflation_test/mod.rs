@@ -1,11 +1,14 @@
 //! Inflation tests: a chamber of a body is inflated in a step and its pressure held, or follows a history. A material that another test identified predicts the
 //! motion of the tip and its creep; what the prediction lacks is compared with a fitted modulus, a fitted stiffening, and thicker walls.
 //!
-//! `page` describes the tests, `recorded` reads the recordings, `body` is the meshed body and its motion, `fits` what each material makes
-//! of each recording, `shown` writes table, metrics and figure, and `warnings` finds fits that are none.
+//! `page` describes the tests, `recorded` reads the recordings, `body` is the meshed body and its motion, `inflated` its equilibria, `hold` a
+//! step of pressure, `carried` the markers, `fits` what each material makes of each recording, `shown` writes table, metrics and figure, and `warnings` finds fits that are none.
 
-pub(crate) mod body;
+mod body;
+mod carried;
 mod fits;
+mod hold;
+pub(crate) mod inflated;
 pub(crate) mod page;
 pub(crate) mod recorded;
 mod shown;
@@ -14,6 +17,7 @@ mod warnings;
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, Result, input};
+use rayon::prelude::*;
 use si::Metre;
 
 use crate::identified_materials::file_of;
@@ -126,13 +130,16 @@ fn cross_validated(
     let every: Vec<usize> = (0..left_out.len()).collect();
     let joint = bench.fit(material, &every, bench.linearised(material, start, &every)?)?;
     rows.push(bench.fitted(name, (material, &joint), &every)?);
-    for k in every.iter().copied().filter(|k| !bench.page.recording[*k].fitted) {
+    let predict = |k: usize| {
         let remaining: Vec<usize> = every.iter().copied().filter(|recording| *recording != k).collect();
-        // From the end of the joint fit with its Jacobian: differences anew would cost a simulation of ten seconds for
-        // each parameter and recording.
+        // From the end of the joint fit with its Jacobian: a motion under a history costs ten seconds for each parameter and recording.
         let end = bench.fit(material, &remaining, joint.only(&remaining))?;
+        Ok((k, bench.fitted(name, (material, &end), &remaining)?))
+    };
+    let omitted: Vec<usize> = every.iter().copied().filter(|k| !bench.page.recording[*k].fitted).collect();
+    for (k, row) in omitted.into_par_iter().map(predict).collect::<Result<Vec<_>>>()? {
         left_out[k].push(rows.len());
-        rows.push(bench.fitted(name, (material, &end), &remaining)?);
+        rows.push(row);
     }
     Ok(joint.at)
 }

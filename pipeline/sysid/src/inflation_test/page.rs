@@ -90,8 +90,13 @@ pub(crate) struct Supply {
 }
 
 impl Supply {
+    /// The time since the middle of the rise, of a time after its begin (s): a step there creeps as the rise does.
+    pub(crate) fn time_since_rise(&self, time: Second) -> Second {
+        time - 0.5 * self.rise.min(time)
+    }
+
     /// The pressure at a time after a step to `held`, Pa.
-    fn step_pressure(&self, held: Pascal, time: Second) -> Pascal {
+    pub(super) fn step_pressure(&self, held: Pascal, time: Second) -> Pascal {
         (held - self.missing * (-time / self.settling).exp()) * (time / self.rise).clamp(0.0, 1.0)
     }
 }
@@ -115,6 +120,11 @@ impl Page {
     /// The air line that lacks `missing` (Pa) of a step's pressure at first.
     pub(crate) fn supply(&self, missing: Pascal) -> Supply {
         Supply { rise: self.rise, settling: self.settling.unwrap_or(f64::INFINITY), missing }
+    }
+
+    /// The middles of the two intervals whose mean displacements are compared, s after the step.
+    pub(crate) fn feature_times(&self, recording: &Recording) -> [Second; 2] {
+        [0.5 * (self.early[0] + self.early[1]), recording.duration() - 0.5 * self.late]
     }
 
     /// The page in the file `path`.

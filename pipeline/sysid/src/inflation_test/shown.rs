@@ -145,9 +145,7 @@ fn write_prediction(f: &mut fmt::Formatter<'_>, report: &Report, (row, k): (&Row
     let role = if row.used.contains(&k) { "fitted" } else { "predicted" };
     write!(f, "    {:<9} {role:<9}", report.page.recording[k].name)?;
     if let Some(burst) = &row.predictions[k].course.burst {
-        let last = row.predictions[k].course.tip.last().map_or(0.0, |(time, _)| *time);
-        let reason = burst.lines().next().unwrap_or_default();
-        return writeln!(f, "  the wall balloons without bound from {last:.3} s on: {reason}");
+        return writeln!(f, "  the wall balloons without bound: {}", burst.lines().next().unwrap_or_default());
     }
     for (quantity, unit, measured, predicted) in compared_numbers(report, row, k) {
         let predicted = predicted.unwrap_or(f64::NAN);

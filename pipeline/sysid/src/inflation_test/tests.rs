@@ -118,7 +118,7 @@ fn record_with(folder: &Path, (ratio, missing): (f64, f64), recording: usize) {
     let source = IdentifiedMaterials::read(&folder.join("real_bar_materials.toml")).unwrap();
     let is = source.law(None).unwrap().clone();
     let is = IdentifiedMaterial { youngs_modulus: ratio * is.youngs_modulus, ..is };
-    let course = body.inflate(&is, (&page.recording[recording], &page.supply(missing)), 0.7).unwrap();
+    let course = body.motion(&is, (&page.recording[recording], &page.supply(missing)), 0.7).unwrap();
     assert!(course.burst.is_none());
     let (times, tip): (Vec<f64>, Vec<f64>) = course.tip.into_iter().unzip();
     let mut text = "time_s,marker,x_m,y_m,z_m\n".to_owned();
@@ -150,6 +150,24 @@ fn a_known_modulus_comes_back_from_a_simulated_inflation() {
     assert!(table.contains("modulus fitted") && report.to_string().contains("creep over the hold"));
     let metrics = std::fs::read_to_string(out.join("metrics.json")).unwrap();
     assert!(metrics.contains("real.box.step.creep_error_points"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Relaxation as the isochronous modulus and no inertia, against the motion with both.
+#[test]
+fn a_held_step_moves_the_tip_as_the_motion_does() {
+    let folder = folder("held");
+    let page = Page::parse(PAGE, Path::new("page.toml")).unwrap();
+    let case = simulate::case::read(&folder.join("case.toml")).unwrap();
+    let body = Meshed::new(&page, &case, &folder.join("recordings"), (1.0, &folder)).unwrap();
+    let materials: IdentifiedMaterials = toml::from_str(MATERIALS).unwrap();
+    let material = IdentifiedMaterial { youngs_modulus: 1.2e5, stiffening: [0.5, 0.0], ..materials.law[0].clone() };
+    let (recording, supply) = (&page.recording[0], page.supply(0.0));
+    let moved = body.motion(&material, (recording, &supply), 0.6).unwrap();
+    let held = body.inflate(&material, (recording, &supply), 0.6, &mut Vec::new()).unwrap();
+    let [moved, held]: [Features; 2] = [moved, held].map(|course| Features::of(&page, 0.6, &course.tip));
+    assert!((held.early / moved.early - 1.0).abs() < 0.01, "{held:?} {moved:?}");
+    assert!((held.late / moved.late - 1.0).abs() < 2e-3 && moved.creep() > 0.01, "{held:?} {moved:?}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
@@ -208,6 +226,10 @@ fn what_is_missing_or_does_not_fit_is_refused_with_what_to_do() {
     record(&folder, 1.0);
     let missing = said(&|case| case.replace("box.stl", "gone.stl"));
     assert!(missing.contains("gone.stl") && missing.contains("recordings"), "{missing}");
+    let two_chambers = said(&|case| format!("{case}[[chamber]]\nnumber = 1\npressure = 0.0\n"));
+    assert!(two_chambers.contains("one inflated chamber") && two_chambers.contains("do:"), "{two_chambers}");
+    let page = PAGE.replace("pressure = 6e3", HISTORY).replace("early = [0.2, 0.3]", "early = [0.42, 0.5]");
+    std::fs::write(folder.join("page.toml"), page).unwrap();
     let fixed =
         said(&|case| case.replace("adaptive = { tolerance = 1e-4, shortest = 1e-3, longest = 0.1 }", "step = 0.1"));
     assert!(fixed.contains("adaptive steps") && fixed.contains("do:"), "{fixed}");

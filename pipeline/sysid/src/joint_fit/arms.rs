@@ -1,11 +1,10 @@
 //! An inflation test in a joint fit: the place of the tip soon after the step of pressure and at the end of the hold.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use super::inflated::{Inflated, PRESSURE, Point, Shape};
 use super::parameters::Parameter;
 use super::test::{Condition, Memory, Place, Predicted, Quantity, Test};
+use crate::inflation_test::inflated::{Inflated, PRESSURE, Point};
 use crate::inflation_test::page::{Page, Recording};
 use crate::inflation_test::recorded::Recorded;
 use diagnostics::{Diagnostic, Result};
@@ -75,10 +74,9 @@ impl Arms {
         let constants = at.law.constants(at.shared)?;
         let [batch, wall, missing] = [at.own[0].exp(), 1e-3 * at.own[1], 1e3 * at.own[2]];
         let settling = self.page.settling.unwrap_or(f64::INFINITY);
-        let early = 0.5 * (self.page.early[0] + self.page.early[1]);
-        let late = recording.duration() - 0.5 * self.page.late;
+        let [early, late] = self.page.feature_times(recording);
         let point = |time: f64| {
-            let (modulus, [c20, c30]) = constants.isochronous_elasticity(time);
+            let (modulus, [c20, c30]) = constants.creep_elasticity(self.page.supply(0.0).time_since_rise(time));
             let lost = if self.page.settling.is_some() { missing * (-time / settling).exp() } else { 0.0 };
             [batch * modulus, c20, c30, wall, held_pressure(recording).unwrap_or(0.0) - lost]
         };
@@ -144,8 +142,8 @@ impl Test for Arms {
         let points = self.hold_points(at, recording)?;
         let mut ambient = points[0];
         ambient[PRESSURE] = 0.0;
-        let ambient_shape = remembered_shape(body, &ambient, memory)?;
-        let shape = remembered_shape(body, &points[0], memory)?;
+        let ambient_shape = body.remembered(&ambient, memory)?;
+        let shape = body.remembered(&points[0], memory)?;
         // Displacements count from the place at ambient pressure, which moves with the constants, and not with the
         // pressure.
         let slopes: Point = std::array::from_fn(|k| {
@@ -169,19 +167,4 @@ impl Test for Arms {
         let [early, late] = gradients;
         Ok(vec![Predicted { value: values[0], gradient: early }, Predicted { value: values[1], gradient: late }])
     }
-}
-
-/// Shapes that a fit keeps: a few at each pressure.
-const KEPT: usize = 24;
-
-fn remembered_shape(body: &Inflated, point: &Point, memory: &mut Memory) -> Result<Arc<Shape>> {
-    if let Some(shape) = memory.iter().find(|shape| shape.at == *point) {
-        return Ok(Arc::clone(shape));
-    }
-    let shape = Arc::new(body.shape(point, memory)?);
-    memory.push(Arc::clone(&shape));
-    if memory.len() > KEPT {
-        memory.remove(0);
-    }
-    Ok(shape)
 }

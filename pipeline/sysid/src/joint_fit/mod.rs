@@ -2,16 +2,18 @@
 //! and batch. Laws are compared by what they predict of whole conditions that were left out: a weight, a pressure, a test.
 //!
 //! `page` names the tests, `laws` the laws; `bars`, `arms` and `specimen` predict what was measured in each test, with derivatives by all
-//! parameters; `fit` is one fit, `ladder` all of them, `shown` writes the tables.
+//! parameters; `fit` is one fit, `ladder` all of them, `scoreboard` what
+//! each law predicts, `shown` writes the tables, `figure` draws the scoreboard.
 
 mod arms;
 mod bars;
+mod figure;
 mod fit;
-mod inflated;
 mod ladder;
 mod laws;
 mod page;
 mod parameters;
+mod scoreboard;
 mod shown;
 mod specimen;
 mod test;

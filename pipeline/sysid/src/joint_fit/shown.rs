@@ -4,105 +4,30 @@ use std::fmt;
 use std::path::Path;
 
 use super::Report;
-use super::fit::{Fit, Which};
-use super::ladder::{LawResult, Prediction, supported_law};
-use super::test::Condition;
+use super::figure::scoreboard_figure;
+use super::fit::Fit;
+use super::ladder::{LawResult, supported_law};
+use super::scoreboard::{Line, condition_lines, plain_lines, share_inside};
 use crate::identified_materials::{IdentifiedMaterial, IdentifiedMaterials, file_of};
 use crate::metrics_file;
 use diagnostics::{Diagnostic, Result};
 
-/// Writes the scoreboard `real_<name>.csv`, the parameters `real_<name>_parameters.csv`, the materials and the metrics into `folder`.
+/// Writes the scoreboard `real_<name>.csv` and `.svg`, the parameters `real_<name>_parameters.csv`, the materials and the metrics into `folder`.
 ///
 /// # Errors
 /// A [`Diagnostic`] when the folder cannot be written.
 pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
     let stem = format!("real_{}", report.page.name);
     let materials = materials_text(report)?;
+    let figure = scoreboard_figure(report).map(|figure| figure.svg()).transpose()?;
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text);
     std::fs::create_dir_all(folder)
         .and_then(|()| write(&format!("{stem}.csv"), &scoreboard_csv(report)))
         .and_then(|()| write(&format!("{stem}_parameters.csv"), &parameter_table(report)))
         .and_then(|()| write(&file_of(&report.page.name), &materials))
+        .and_then(|()| figure.map_or(Ok(()), |figure| write(&format!("{stem}.svg"), &figure)))
         .map_err(|e| Diagnostic::io(folder, e, "name another folder with --out"))?;
     metrics_file::replace(folder, &report.page.name, metric_entries(report))
-}
-
-/// One number of the scoreboard.
-pub(super) struct Line {
-    condition: String,
-    quantity: String,
-    unit: &'static str,
-    /// `left out`, `fitted` or `held out`.
-    role: &'static str,
-    recorded: Option<f64>,
-    /// With the half width of its interval; none with the cause.
-    predicted: std::result::Result<(f64, f64), String>,
-    extrapolated: bool,
-    /// In proportion to the level, from the conditions of the same test that were fitted.
-    linear: Option<f64>,
-}
-
-impl Line {
-    fn error_percent(&self) -> Option<f64> {
-        let (value, _) = self.predicted.as_ref().ok()?;
-        Some(100.0 * (value / self.recorded? - 1.0))
-    }
-
-    fn is_inside(&self) -> Option<bool> {
-        let (value, width) = self.predicted.as_ref().ok()?;
-        Some((value - self.recorded?).abs() <= *width)
-    }
-}
-
-/// Whether a level lies beyond those of the other conditions of its test that are fitted; and the quantity `n` in proportion to the level.
-fn beyond_and_linear(report: &Report, used: &[Which], which: Which, n: usize) -> (bool, Option<f64>) {
-    let (t, c) = which;
-    let conditions = report.tests[t].conditions();
-    let fitted_conditions: Vec<&Condition> =
-        used.iter().filter(|which| which.0 == t && which.1 != c).map(|which| &conditions[which.1]).collect();
-    let level = conditions[c].level;
-    // a condition that is fitted alone lies within itself
-    let is_alone = fitted_conditions.is_empty() && used.contains(&which);
-    let is_beyond = !is_alone
-        && (fitted_conditions.iter().all(|other| other.level < level)
-            || fitted_conditions.iter().all(|other| other.level > level));
-    let pairs: Vec<(f64, f64)> =
-        fitted_conditions.iter().filter_map(|other| Some((other.level, other.quantities.get(n)?.measured?))).collect();
-    let products: f64 = pairs.iter().map(|(level, value)| level * value).sum();
-    let squares: f64 = pairs.iter().map(|(level, _)| level * level).sum();
-    (is_beyond, (squares > 0.0).then(|| level * products / squares))
-}
-
-/// Every condition as `result` predicts it: left out where it is fitted otherwise.
-pub(super) fn condition_lines(report: &Report, result: &LawResult) -> Vec<Line> {
-    let used = &result.used;
-    let mut lines = Vec::new();
-    for (t, test) in report.tests.iter().enumerate() {
-        for (c, condition) in test.conditions().iter().enumerate() {
-            let left_out = result.left_out.iter().find(|(which, _)| *which == (t, c));
-            let (role, prediction): (_, &Prediction) = match left_out {
-                Some((_, prediction)) => ("left out", prediction),
-                None if used.contains(&(t, c)) => ("fitted", &result.all[t][c]),
-                None => ("held out", &result.all[t][c]),
-            };
-            for (n, quantity) in condition.quantities.iter().enumerate() {
-                let (beyond, linear) = beyond_and_linear(report, used, (t, c), n);
-                let predicted =
-                    prediction.as_ref().map(|values| (values[n].0.value, values[n].1)).map_err(String::clone);
-                lines.push(Line {
-                    condition: condition.name.clone(),
-                    quantity: quantity.name.clone(),
-                    unit: quantity.unit,
-                    role,
-                    recorded: quantity.measured,
-                    predicted,
-                    extrapolated: beyond,
-                    linear: linear.filter(|_| quantity.name.starts_with("tip")),
-                });
-            }
-        }
-    }
-    lines
 }
 
 /// Condition left out × predicted × interval × recorded × the same by the neo-Hookean law and in proportion to the pressure, of every law.
@@ -110,10 +35,10 @@ fn scoreboard_csv(report: &Report) -> String {
     let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
     let mut text = "law,supported,condition,role,quantity,unit,recorded,predicted,half_width_95,error_percent,inside,extrapolated,neo_hookean,linear_in_pressure,gap\n".to_owned();
     let best = supported_law(&report.results, &report.tests);
-    let plain =
-        report.results.iter().find(|result| result.law.terms.is_empty()).map(|result| condition_lines(report, result));
+    let plain = plain_lines(report);
     for (k, result) in report.results.iter().enumerate() {
-        for (i, line) in condition_lines(report, result).iter().enumerate() {
+        let lines = condition_lines(report, result);
+        for (i, line) in lines.iter().enumerate() {
             let (value, width) =
                 line.predicted.as_ref().map_or((None, None), |(value, width)| (Some(*value), Some(*width)));
             let plain = plain.as_ref().and_then(|plain| plain[i].predicted.as_ref().ok()).map(|(value, _)| *value);
@@ -137,6 +62,8 @@ fn scoreboard_csv(report: &Report) -> String {
                 gap.replace('"', "'"),
             );
         }
+        let (law, share) = (result.law.name, word(share_inside(&lines)));
+        text += &format!("{law},,all that were not fitted,,intervals of 95 % that hold,%,95,{share},,,,,,,\n");
     }
     text
 }
@@ -193,9 +120,7 @@ fn metric_entries(report: &Report) -> Vec<serde_json::Value> {
         metrics_file::entry(&id, line.error_percent().map(f64::abs), "%")
     };
     let mut entries: Vec<_> = lines.iter().filter(|line| line.recorded.is_some()).map(error).collect();
-    let inside: Vec<bool> = lines.iter().filter_map(Line::is_inside).collect();
-    let share = 100.0 * inside.iter().filter(|inside| **inside).count() as f64 / inside.len().max(1) as f64;
-    entries.push(metrics_file::entry(&format!("real.{}.inside_percent", report.page.name), Some(share), "%"));
+    entries.push(metrics_file::entry(&format!("real.{}.inside_percent", report.page.name), share_inside(&lines), "%"));
     entries
 }
 
@@ -210,7 +135,10 @@ impl fmt::Display for Report {
                 result.law.name, result.joint.loss, result.joint.scales
             )?;
             write_parameters(f, self, result)?;
-            condition_lines(self, result).iter().try_for_each(|line| write_line(f, line))?;
+            let lines = condition_lines(self, result);
+            lines.iter().try_for_each(|line| write_line(f, line))?;
+            let share = share_inside(&lines).map_or_else(|| "none".to_owned(), |share| format!("{share:.0} %"));
+            writeln!(f, "    intervals of 95 % that hold, of all that was not fitted: {share}")?;
         }
         self.refused.iter().try_for_each(|(law, cause)| writeln!(f, "warning: {law} is left out: {cause}"))?;
         match best {

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::inflated::Shape;
 use super::laws::Law;
 use super::parameters::Parameter;
+use crate::inflation_test::inflated::Shape;
 use diagnostics::Result;
 
 /// A number that is compared.
