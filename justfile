@@ -73,6 +73,7 @@ calibration COUNT="24" SEED="25": build
 real-joint:
     {{programs}}/study fit tensile_ds10 --out target/real
     {{programs}}/study fit ds10 --out target/real
+    cp target/real/real_ds10.svg figures/real_scoreboard.svg
     mkdir -p paper/tables && cp target/real/real_ds10.csv paper/tables/real_scoreboard.csv
 
 # the arm alone, with the bar's material in target/real

@@ -25,7 +25,7 @@ use workflow::subject::Universe;
 /// Figures and tables of specimens drawn at random, by `just calibration`.
 const OF_A_POPULATION: [&str; 2] = ["calibration", "coverage"];
 /// Figures that no stage of the profile makes and the paper shows: those of real recordings, by `just real`.
-const MADE_ELSEWHERE: [&str; 2] = ["real_beam", "real_arm"];
+const MADE_ELSEWHERE: [&str; 3] = ["real_beam", "real_arm", "real_scoreboard"];
 
 /// Figures that stand on the front page, and need not be shown in the paper.
 const OF_THE_FRONT_PAGE: [&str; 1] = ["inflation"];

@@ -1,7 +1,7 @@
 //! Numbers of the real recordings: `study fit` writes them as tables, which are tracked, and the paper's text takes them from there.
 //!
-//! A cell is `real_beam.LAW.FITTED[.RECORDING].QUANTITY.COLUMN` or `real_arm.MATERIAL[.FITTED].RECORDING.QUANTITY.COLUMN`, where letters and digits
-//! are kept and anything between them is `_`.
+//! A cell is `real_beam.LAW.FITTED[.RECORDING].QUANTITY.COLUMN`, `real_arm.MATERIAL[.FITTED].RECORDING.QUANTITY.COLUMN` or
+//! `real_scoreboard.LAW.CONDITION.QUANTITY.COLUMN`, where letters and digits are kept and anything between them is `_`.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ struct Layout {
     numbers: &'static [(&'static str, Option<&'static str>)],
 }
 
-const LAYOUTS: [Layout; 2] = [
+const LAYOUTS: [Layout; 3] = [
     Layout {
         name: "real_beam",
         keys: &["law", "fitted", "recording", "quantity"],
@@ -26,6 +26,11 @@ const LAYOUTS: [Layout; 2] = [
         name: "real_arm",
         keys: &["material", "fitted", "recording", "quantity"],
         numbers: &[("measured", None), ("predicted", None), ("error", Some("%")), ("missing_mbar", Some("mbar"))],
+    },
+    Layout {
+        name: "real_scoreboard",
+        keys: &["law", "condition", "quantity"],
+        numbers: &[("recorded", None), ("predicted", None), ("half_width_95", None), ("error_percent", Some("%"))],
     },
 ];
 
