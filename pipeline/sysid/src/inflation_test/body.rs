@@ -8,7 +8,7 @@ use mesh::Surface;
 use si::{Metre, Point3, Second};
 
 use super::carried::{Carried, carried_markers, mean_marker_displacement};
-use super::hold::Hold;
+use super::hold::{Course, Hold};
 use super::inflated::{Inflated, Shape};
 use super::page::{Page, Recording, Supply};
 use crate::IdentifiedMaterial;
@@ -26,15 +26,6 @@ pub(super) struct Meshed {
     families: Mutex<Vec<(String, Arc<Inflated>)>>,
     /// Least distance between a chamber and the outside across the body, m; none for a body that comes as a mesh.
     pub wall: Option<Metre>,
-}
-
-/// What an inflation does to the tip.
-#[derive(Debug, Clone)]
-pub(super) struct Course {
-    /// Time since the step (s), and mean displacement of the compared markers along the page's axis (m).
-    pub tip: Vec<(Second, Metre)>,
-    /// Why it ended before its time: the wall balloons without bound.
-    pub burst: Option<String>,
 }
 
 impl Meshed {

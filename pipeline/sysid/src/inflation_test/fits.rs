@@ -8,7 +8,8 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::body::{Course, Meshed};
+use super::body::Meshed;
+use super::hold::Course;
 use super::inflated::Shape;
 use super::page::Page;
 use super::recorded::{Features, Recorded};

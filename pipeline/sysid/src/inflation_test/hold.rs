@@ -9,7 +9,6 @@ use std::sync::Arc;
 use fem::{Branch, Relaxation};
 use si::{Metre, Pascal, Second};
 
-use super::body::Course;
 use super::inflated::{Inflated, PRESSURE, Point, Shape, creep_elasticity};
 use super::page::Supply;
 use crate::IdentifiedMaterial;
@@ -17,6 +16,15 @@ use diagnostics::Result;
 
 /// Times of a course, evenly in their logarithm.
 const TIMES: usize = 24;
+
+/// What an inflation does to the tip.
+#[derive(Debug, Clone)]
+pub(super) struct Course {
+    /// Time since the step (s), and mean displacement of the compared markers along the page's axis (m).
+    pub tip: Vec<(Second, Metre)>,
+    /// Why it ended before its time: the wall balloons without bound.
+    pub burst: Option<String>,
+}
 
 /// A step of pressure on a body of some material.
 pub(super) struct Hold<'a> {

@@ -134,7 +134,7 @@ impl Inflated {
     ///
     /// # Errors
     /// As [`Inflated::shape`]; at once where a stiffer body under less pressure has no equilibrium.
-    pub fn remembered(&self, point: &Point, known: &mut Vec<Arc<Shape>>) -> Result<Arc<Shape>> {
+    pub(crate) fn remembered(&self, point: &Point, known: &mut Vec<Arc<Shape>>) -> Result<Arc<Shape>> {
         if let Some(shape) = known.iter().find(|shape| shape.at == *point) {
             return Ok(Arc::clone(shape));
         }
@@ -302,7 +302,7 @@ impl Shape {
     }
 
     /// The mean place of the markers at a point nearby, to first order, m.
-    pub fn linear_tip(&self, point: &Point) -> Metre {
+    pub(super) fn linear_tip(&self, point: &Point) -> Metre {
         self.tip + (0..point.len()).map(|k| self.slopes[k] * (point[k] - self.at[k])).sum::<f64>()
     }
 

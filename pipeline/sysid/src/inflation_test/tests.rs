@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use mesh::Surface;
 use si::Point3;
 
-use super::body::{Course, Meshed};
+use super::body::Meshed;
 use super::fits::{End, Prediction, Row};
+use super::hold::Course;
 use super::recorded::{Features, Recorded};
 use super::{Page, Report, run};
 use crate::{IdentifiedMaterial, IdentifiedMaterials};
@@ -143,7 +144,8 @@ fn a_known_modulus_comes_back_from_a_simulated_inflation() {
     let fitted = report.rows.iter().find(|row| row.name == "modulus fitted").unwrap();
     assert!((fitted.modulus_ratio / 0.8 - 1.0).abs() < 5e-3, "{}", fitted.modulus_ratio);
     let features = fitted.predictions[0].features.unwrap();
-    assert!((features.creep() - report.recorded[0].features.creep()).abs() < 2e-3);
+    let creep_error = features.creep() - report.recorded[0].features.creep();
+    assert!(creep_error.abs() < 5e-3, "{creep_error}");
     // the unfitted material is stiffer, and moves less
     assert!(report.rows[0].predictions[0].features.unwrap().early.abs() < features.early.abs());
     let table = std::fs::read_to_string(out.join("real_box.csv")).unwrap();

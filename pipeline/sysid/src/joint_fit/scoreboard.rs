@@ -21,7 +21,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    pub fn error_percent(&self) -> Option<f64> {
+    pub(super) fn error_percent(&self) -> Option<f64> {
         let (value, _) = self.predicted.as_ref().ok()?;
         Some(100.0 * (value / self.recorded? - 1.0))
     }
