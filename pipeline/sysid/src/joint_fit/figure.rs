@@ -39,9 +39,9 @@ pub(super) fn scoreboard_figure(report: &Report) -> Option<Figure> {
         }
     }
     let error_of_linear = |line: &Line| Some(100.0 * (line.linear? / line.recorded? - 1.0));
-    let linear = rows.iter().map(|(line, _)| error_of_linear(line)).collect();
-    let neo_hookean = rows.iter().map(|(_, plain)| plain.and_then(Line::error_percent)).collect();
-    let predicted = rows.iter().map(|(line, _)| line.error_percent()).collect();
+    let linear: Vec<Option<f64>> = rows.iter().map(|(line, _)| error_of_linear(line)).collect();
+    let neo_hookean: Vec<Option<f64>> = rows.iter().map(|(_, plain)| plain.and_then(Line::error_percent)).collect();
+    let predicted: Vec<Option<f64>> = rows.iter().map(|(line, _)| line.error_percent()).collect();
     for (errors, marker, colour, name) in [
         (linear, Marker::Cross, palette::MUTED, "in proportion to the pressure"),
         (neo_hookean, Marker::Ring, palette::SPINE, "neo-Hookean law"),
@@ -53,7 +53,7 @@ pub(super) fn scoreboard_figure(report: &Report) -> Option<Figure> {
     Some(figure.noted("measured data, not from the virtual bench; lines: intervals of 95 %; *: extrapolated"))
 }
 
-fn with_errors(axes: Axes, errors: &Vec<Option<f64>>, (marker, colour, name): (Marker, Colour, &str)) -> Axes {
+fn with_errors(axes: Axes, errors: &[Option<f64>], (marker, colour, name): (Marker, Colour, &str)) -> Axes {
     let error_at = |k: usize| errors[k].map(|error| [error.clamp(-FARTHEST, FARTHEST), -(k as f64)]);
     let points = (0..errors.len()).filter_map(error_at).collect();
     let axes = axes.with(Mark::points(points, marker, colour).labelled(name));
