@@ -162,7 +162,11 @@ fn check_case(page: &Page, mut case: Case) -> Result<Case> {
 fn dynamic_settings(case: &Case, material: &IdentifiedMaterial) -> Result<(DynamicSettings, StepControl)> {
     let set = case.dynamic.as_ref().and_then(|set| Some((set.scheme, set.adaptive?)));
     let Some((scheme, steps)) = set else {
-        return Err(Diagnostic::new("the case has no adaptive steps", "an inflation needs them", "correct the case"));
+        return Err(Diagnostic::new(
+            "the case has no adaptive steps",
+            "a history of pressure needs them",
+            "correct the case",
+        ));
     };
     let (mass_damping, stiffness_damping) = (material.mass_damping, material.stiffness_damping);
     let settings =

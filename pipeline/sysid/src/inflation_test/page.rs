@@ -27,7 +27,7 @@ pub struct Page {
     pub test: Test,
     /// Name of the results.
     pub name: String,
-    /// The case, with one region, one chamber and adaptive `[dynamic]` steps; relative to the page. Its surface lies in one of `folders`.
+    /// The case, with one region, one chamber, and adaptive `[dynamic]` steps for a history; relative to the page. Its surface lies in one of `folders`.
     pub case: String,
     /// The body whose fit identified the material.
     pub material: String,
