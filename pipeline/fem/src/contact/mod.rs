@@ -75,20 +75,16 @@ impl SelfContact {
         new
     }
 
-    /// The same between some of its faces alone.
-    pub(crate) fn between_faces(&self, faces: &BTreeSet<u32>) -> Self {
-        Self::between(self.surface.with_faces(faces), self.law, self.half)
+    /// The same between some of its faces alone, and their nodes, of which alone it knows displacements.
+    pub(crate) fn between_faces(&self, faces: &BTreeSet<u32>) -> (Self, Vec<u32>) {
+        let (surface, nodes) = self.surface.with_faces(faces);
+        (Self::between(surface, self.law, self.half), nodes)
     }
 
     /// The faces that are within `reach` of one that they may meet, at `u`.
     pub(crate) fn faces_within(&self, u: &[f64], reach: Metre) -> BTreeSet<u32> {
         let pairs = self.near_face_pairs(u, reach);
         pairs.iter().flat_map(|pair| pair.faces().map(|(face, _)| face)).collect()
-    }
-
-    /// The nodes of its faces.
-    pub(crate) fn nodes(&self) -> BTreeSet<u32> {
-        self.surface.all_nodes().collect()
     }
 
     /// Pairs of faces whose boxes are closer than `reach` and that repel each other.

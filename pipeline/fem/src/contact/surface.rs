@@ -54,25 +54,24 @@ impl Surface {
         Self { faces, rest: rest_positions, shapes, areas }
     }
 
-    /// Some of its faces, which are counted anew.
-    pub(crate) fn with_faces(&self, faces: &BTreeSet<u32>) -> Self {
+    /// Some of its faces, and the nodes that they have; both are counted anew.
+    pub(crate) fn with_faces(&self, faces: &BTreeSet<u32>) -> (Self, Vec<u32>) {
         let indices = || faces.iter().map(|&face| face as usize);
-        Self {
-            faces: self.faces.selected(indices()),
-            rest: Arc::clone(&self.rest),
+        let nodes: BTreeSet<u32> = indices().flat_map(|face| self.faces.nodes(face).iter().copied()).collect();
+        let nodes: Vec<u32> = nodes.into_iter().collect();
+        let number = |node: u32| nodes.partition_point(|other| *other < node) as u32;
+        let part = Self {
+            faces: self.faces.renumbered(indices(), number),
+            rest: nodes.iter().map(|&node| self.rest[node as usize]).collect(),
             shapes: indices().map(|face| Arc::clone(&self.shapes[face])).collect(),
             areas: indices().map(|face| self.areas[face]).collect(),
-        }
+        };
+        (part, nodes)
     }
 
     /// The displacement of the mesh at rest.
     pub(crate) fn undisplaced(&self) -> Vec<f64> {
         vec![0.0; 3 * self.rest.len()]
-    }
-
-    /// The nodes of all faces, one for each face that has it.
-    pub(crate) fn all_nodes(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.faces.len()).flat_map(|face| self.faces.nodes(face).iter().copied())
     }
 
     /// Node numbers of a face, 3, 6 or 8.

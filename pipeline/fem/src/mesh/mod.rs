@@ -106,13 +106,13 @@ impl Faces {
         self.len() == 0
     }
 
-    /// The faces with these `indices`.
-    pub(crate) fn selected(&self, indices: impl Iterator<Item = usize>) -> Self {
+    /// The faces with these `indices`, of nodes that `number` counts anew.
+    pub(crate) fn renumbered(&self, indices: impl Iterator<Item = usize>, number: impl Fn(u32) -> u32) -> Self {
         match self {
-            Self::Linear(faces) => Self::Linear(indices.map(|face| faces[face]).collect()),
-            Self::Quadratic(faces) => Self::Quadratic(indices.map(|face| faces[face]).collect()),
+            Self::Linear(faces) => Self::Linear(indices.map(|face| faces[face].map(&number)).collect()),
+            Self::Quadratic(faces) => Self::Quadratic(indices.map(|face| faces[face].map(&number)).collect()),
             Self::QuadraticQuadrilaterals(faces) => {
-                Self::QuadraticQuadrilaterals(indices.map(|face| faces[face]).collect())
+                Self::QuadraticQuadrilaterals(indices.map(|face| faces[face].map(&number)).collect())
             }
         }
     }

@@ -21,13 +21,10 @@ const NEAR: f64 = 4.0;
 /// The walls that may meet, and how they move with the coordinates.
 #[derive(Debug, Clone)]
 pub struct ReducedContact {
+    /// Of these walls alone: their nodes are counted anew, so that nothing of the size of the whole body is made in an iteration.
     contact: SelfContact,
-    /// The nodes of the walls that may meet.
-    nodes: Vec<u32>,
-    /// Their rows of V, (3 nodes) × r, m per unit of q.
+    /// Rows of V at their nodes, (3 nodes) × r, m per unit of q.
     modes: DMatrix<f64>,
-    /// Entries of a displacement of the whole body.
-    full_length: usize,
 }
 
 impl System {
@@ -52,22 +49,20 @@ impl System {
         if faces.is_empty() {
             return Ok(None);
         }
-        let contact = contact.between_faces(&faces);
-        let nodes: Vec<u32> = contact.nodes().into_iter().collect();
+        let (contact, nodes) = contact.between_faces(&faces);
         let row = |index: usize| 3 * nodes[index / 3] as usize + index % 3;
         let modes = DMatrix::from_fn(3 * nodes.len(), model.coordinates(), |i, k| model.modes[(row(i), k)]);
-        Ok(Some(ReducedContact { contact, nodes, modes, full_length }))
+        Ok(Some(ReducedContact { contact, modes }))
     }
 }
 
 impl ReducedContact {
     /// Adds ∂W/∂q (J) to `gradient` and returns W, J.
     pub(super) fn add_gradient(&self, q: &DVector<f64>, gradient: &mut DVector<f64>) -> Joule {
-        let mut by_displacement = vec![0.0; self.full_length];
-        let energy = self.contact.add_energy(&self.displacement(q), 1.0, &mut by_displacement);
+        let mut by_walls = DVector::zeros(self.modes.nrows());
+        let energy = self.contact.add_energy(self.displacement(q).as_slice(), 1.0, by_walls.as_mut_slice());
         if energy > 0.0 {
-            let by_walls = self.nodes.iter().flat_map(|&node| nodal_values(&by_displacement, node));
-            gradient.gemv_tr(1.0, &self.modes, &DVector::from_iterator(self.modes.nrows(), by_walls), 1.0);
+            gradient.gemv_tr(1.0, &self.modes, &by_walls, 1.0);
         }
         energy
     }
@@ -77,9 +72,9 @@ impl ReducedContact {
         let (displacement, mut by_walls) =
             (self.displacement(q), DMatrix::zeros(self.modes.nrows(), self.modes.ncols()));
         let mut is_touching = false;
-        self.contact.add_stiffness(&displacement, (1.0, convex), &|_, _| true, &mut |a, b, block| {
+        self.contact.add_stiffness(displacement.as_slice(), (1.0, convex), &|_, _| true, &mut |a, b, block| {
             is_touching = true;
-            let [row, column] = [a, b].map(|node| self.first_row(node));
+            let [row, column] = [a, b].map(|node| 3 * node as usize);
             add_block_product(&mut by_walls, row, (block.clone_owned(), self.modes.rows(column, 3)));
             // of two different nodes the block is given once
             if a != b {
@@ -93,7 +88,7 @@ impl ReducedContact {
 
     /// The largest part of `change` from q, at most 1, by which no wall passes through another.
     pub(super) fn admissible_part(&self, q: &DVector<f64>, change: &DVector<f64>) -> f64 {
-        self.contact.admissible_part(&self.displacement(q), &self.displacement(change))
+        self.contact.admissible_part(self.displacement(q).as_slice(), self.displacement(change).as_slice())
     }
 
     /// Distance within which walls repel each other, m.
@@ -101,23 +96,10 @@ impl ReducedContact {
         self.contact.range()
     }
 
-    /// V q at the walls, and zero elsewhere.
-    fn displacement(&self, q: &DVector<f64>) -> Vec<f64> {
-        let (of_walls, mut displacement) = (&self.modes * q, vec![0.0; self.full_length]);
-        // length: three entries a node
-        for (&node, moved) in self.nodes.iter().zip(of_walls.as_slice().chunks_exact(3)) {
-            displacement[3 * node as usize..3 * node as usize + 3].copy_from_slice(moved);
-        }
-        displacement
+    /// V q at the walls, m, 3 a node.
+    fn displacement(&self, q: &DVector<f64>) -> DVector<f64> {
+        &self.modes * q
     }
-
-    fn first_row(&self, node: u32) -> usize {
-        3 * self.nodes.binary_search(&node).expect("faces have nodes of the walls")
-    }
-}
-
-fn nodal_values(field: &[f64], node: u32) -> [f64; 3] {
-    [0, 1, 2].map(|axis| field[3 * node as usize + axis])
 }
 
 /// Adds `block` · `modes` to the three rows from `row` on.
