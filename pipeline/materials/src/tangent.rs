@@ -19,8 +19,8 @@ pub enum TangentKind<'a> {
     /// Mixed integration points: the geometric part uses the stress predicted by the linear step from this
     /// displacement.
     MixedPoint(&'a [f64]),
-    /// The geometric part uses the second Piola–Kirchhoff stress at this displacement, an equilibrium nearby: that of a shape interpolated
-    /// between equilibria is spoilt where a stiff sheet rotates.
+    /// The geometric part uses the second Piola–Kirchhoff stress at this displacement, an equilibrium nearby, and all of it the volume there: those
+    /// of a shape interpolated between equilibria are spoilt where a stiff sheet rotates.
     FormerStress(&'a [f64]),
 }
 
@@ -76,7 +76,11 @@ fn mixed_point(material: &'static dyn Material, moduli: Moduli, before: &Matrix3
     tangent
 }
 
-/// ∂P/∂F at `now`, its stress S replaced by that at `before`.
+/// ∂P/∂F at `now`, its stress S and its volume replaced by those at `before`.
+// Interpolated shapes are also too large or too small by some per cent at single points, and a nearly incompressible law has no stiffness in shear
+// left where it is dilated by 3 %. Of the first tangents on the paths of a thin tail of hexahedra 71 % were indefinite with the volume at `now`,
+// 16 % with that at `before`; its 14 levels took 182 s and then 102 s. The whole material tangent at `before`, turned into `now`, is hardly ever
+// indefinite (3 %), but predicts less: 224 s.
 #[allow(non_snake_case)]
 fn former_stress(
     material: &'static dyn Material,
@@ -84,12 +88,19 @@ fn former_stress(
     before: &Matrix3<f64>,
     now: &Matrix3<f64>,
 ) -> Tangent {
-    let (then, here) = (material.constitutive_response(before, moduli), material.constitutive_response(now, moduli));
+    let now = with_volume_of(before, now);
+    let (then, here) = (material.constitutive_response(before, moduli), material.constitutive_response(&now, moduli));
     let (Some(then_inverse), Some(inverse)) = (before.try_inverse(), now.try_inverse()) else { return here.tangent };
     let change = then_inverse * then.stress - inverse * here.stress;
     let mut tangent = here.tangent;
     add_geometric(&mut tangent, &((change + change.transpose()) * 0.5));
     tangent
+}
+
+/// `now`, dilated to the volume at `before`; as it is where either has none.
+fn with_volume_of(before: &Matrix3<f64>, now: &Matrix3<f64>) -> Matrix3<f64> {
+    let ratio = before.determinant() / now.determinant();
+    if ratio.is_finite() && ratio > 0.0 { now * ratio.cbrt() } else { *now }
 }
 
 /// Adds δ_ik S_JL, the tangent of F S at a constant S.
