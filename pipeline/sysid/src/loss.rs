@@ -172,8 +172,8 @@ pub fn statics(tolerance: f64) -> StaticSettings {
     StaticSettings { tolerance, max_iterations: DIRECTIONS, ..StaticSettings::default() }
 }
 
-/// Newton iterations after which an initial guess is given up: where an equilibrium exists, eight suffice.
-const DIRECTIONS: usize = 16;
+/// Newton iterations after which an initial guess is given up: where a wall dents up to 20 are needed.
+const DIRECTIONS: usize = 24;
 
 #[cfg(test)]
 mod tests {

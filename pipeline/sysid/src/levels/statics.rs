@@ -174,7 +174,11 @@ impl Statics for WholeBody {
         Ok(EquilibriumShape { unknowns: displacement.clone(), factorisations: *factorisations })
     }
 
+    // A factor of its own: the one that Newton's method left would need some ten iterations for each parameter.
     fn sensitivities(&mut self, parameters: &[Parameter]) -> Result<Vec<Vec<f64>>> {
+        if parameters.len() > 1 {
+            self.solver.factorise_at(&self.last)?;
+        }
         parameters.iter().map(|&parameter| Ok(self.solver.sensitivity(&self.last, parameter)?)).collect()
     }
 
