@@ -4,16 +4,17 @@
 //! the error of the mesh that identifies \[roache1997\]. The parameters follow that error as far as a change of theirs looks like it. It is
 //! the same in every film, so more films do not reduce it.
 
+use fem::Mesh;
 use optimize::Residuals;
 use si::{Metre, Point2};
 
-use crate::levels::{Derivatives, LevelSolver};
+use crate::levels::{Derivatives, LevelSolver, SimulatedLevel};
 use crate::misfit::Misfit;
 use crate::model::Elastic;
 use diagnostics::{Diagnostic, Result};
 
-/// By how much the `displacements` on a mesh (levels × markers, m) differ from those at the same parameters on the mesh of `finer`, which
-/// solves the same levels.
+/// By how much the markers' displacements of the levels that were simulated on a `coarse` mesh differ from those at the same parameters on the
+/// mesh of `finer`, which solves the same levels: levels × markers, m.
 ///
 /// # Errors
 /// A [`Diagnostic`] when the finer mesh has no equilibrium at a level.
@@ -22,13 +23,14 @@ use diagnostics::{Diagnostic, Result};
 pub fn mesh_error(
     finer: &mut LevelSolver,
     elastic: &Elastic,
-    displacements: &[Vec<Point2>],
+    coarse: (&Mesh, &[SimulatedLevel]),
 ) -> Result<Vec<Vec<Point2>>> {
+    finer.add_guesses_of_mesh(elastic, coarse);
     let finer = finer.solve(elastic, Derivatives::None)?;
     let difference = |(coarse, finer): (&Point2, &Point2)| [0, 1].map(|k| coarse[k] - finer[k]);
     // length: both have the levels of one misfit and the markers of one card
-    let levels = displacements.iter().zip(&finer);
-    Ok(levels.map(|(coarse, finer)| coarse.iter().zip(&finer.markers).map(difference).collect()).collect())
+    let levels = coarse.1.iter().zip(&finer);
+    Ok(levels.map(|(coarse, finer)| coarse.markers.iter().zip(&finer.markers).map(difference).collect()).collect())
 }
 
 /// What a finer mesh says about the one that identifies.

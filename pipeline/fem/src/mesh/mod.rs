@@ -4,6 +4,7 @@
 
 pub mod box_mesh;
 pub(crate) mod clamps;
+mod interpolation;
 pub mod wedges;
 
 use crate::setup_error::SetupError;

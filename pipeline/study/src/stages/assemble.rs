@@ -28,7 +28,7 @@ impl Fitting<'_> {
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let highest = levels.iter().zip(&misfit.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
         let residuals = self.whitened_residuals(minimum)?;
-        let discretisation = self.discretisation_error(finer, &elastic, &markers, residuals);
+        let discretisation = self.discretisation_error(finer, (&elastic, levels), residuals);
         let discrepancy = self.estimated_discrepancy(residuals)?;
         let (covariance, chi_square) = discrepancy.posterior(misfit, residuals.0, residuals.1)?;
         let posterior = Posterior { covariance, discretisation, chi_square };

@@ -2,13 +2,12 @@
 
 use ::mesh::{ElementChoice, Grading, QuadraticElements};
 use optimize::Residuals;
-use si::Point2;
 
 use super::fitting::{Card, Films, Fitting, Settings, mean_rest};
 use super::mesh;
 use records::Mesh;
 use sysid::discretisation::{MeshError, mesh_error};
-use sysid::{Elastic, LevelSolver, Model, statics};
+use sysid::{Elastic, LevelSolver, Loss, Model, SimulatedLevel, statics};
 use workflow::stage::StageContext;
 
 /// Lengths of hexahedra over those of the mesh on which their error is estimated.
@@ -47,20 +46,18 @@ fn on_edges(set: &Settings, why: &dyn std::fmt::Display) -> String {
 }
 
 impl Fitting<'_> {
-    /// The error of the mesh at the identified parameters; or why that is not known. `found` are the markers'
-    /// displacements at the identified parameters (levels × markers, m), with the whitened residuals there.
+    /// The error of the mesh at the identified parameters, from the `levels` simulated there, with the whitened residuals; or why that is not
+    /// known.
     pub(super) fn discretisation_error(
         &self,
         finer: Result<Model, String>,
-        elastic: &Elastic,
-        displacements: &[Vec<Point2>],
+        (elastic, levels): (&Elastic, &[SimulatedLevel]),
         residuals: (&Residuals, usize),
     ) -> Result<MeshError, String> {
-        let (levels, settings) = (self.loss.misfit.levels.clone(), statics(self.set.static_tolerance));
-        let mut solver = LevelSolver::new(finer?, levels, settings, self.set.parallel_solves);
-        let error = mesh_error(&mut solver, elastic, displacements);
-        error
-            .and_then(|error| MeshError::new(&self.loss.misfit, residuals, &error))
-            .map_err(|d| on_edges(self.set, &d.what))
+        let Loss { model, misfit, .. } = &self.loss;
+        let settings = statics(self.set.static_tolerance);
+        let mut solver = LevelSolver::new(finer?, misfit.levels.clone(), settings, self.set.parallel_solves);
+        let error = mesh_error(&mut solver, elastic, (model.system.mesh(), levels));
+        error.and_then(|error| MeshError::new(misfit, residuals, &error)).map_err(|d| on_edges(self.set, &d.what))
     }
 }

@@ -5,7 +5,7 @@
 //! space a level takes milliseconds. What the model leaves out is corrected at the point where the whole body was solved last, so that a
 //! search ends where that body's own would.
 
-use fem::{ReductionSettings, RegionProperties, Snapshot};
+use fem::{Mesh, ReductionSettings, RegionProperties, Snapshot};
 use si::Point2;
 
 use super::level::{Derivatives, LevelCorrection, SimulatedLevel};
@@ -82,6 +82,18 @@ impl LevelSolver {
         for (level, simulated) in self.levels.iter().zip(simulated) {
             let load = Load::new(level.filled(), level.top(), elastic, self.unit);
             self.known.add(KnownShape::new(load, simulated.displacement.clone()));
+        }
+    }
+
+    /// The same of levels that were simulated on another `mesh` of the body: their displacements, at the nodes of this one.
+    pub(crate) fn add_guesses_of_mesh(&mut self, elastic: &Elastic, (mesh, simulated): (&Mesh, &[SimulatedLevel])) {
+        let nodes = &self.model().system.mesh().nodes;
+        let here = |level: &SimulatedLevel| mesh.field_at(&level.displacement, nodes);
+        let shapes: Vec<Vec<f64>> = simulated.iter().map(here).collect();
+        // length: both are the levels of one misfit
+        for (level, shape) in self.levels.iter().zip(shapes) {
+            let load = Load::new(level.filled(), level.top(), elastic, self.unit);
+            self.known.add(KnownShape::new(load, shape));
         }
     }
 
