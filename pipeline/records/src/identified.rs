@@ -102,12 +102,7 @@ impl Record for Identified {
             ]
         });
         let mut metrics: Vec<Metric> = moduli.collect();
-        metrics.extend(self.stiffening.iter().flat_map(|stiffening| {
-            let named = ["c20", "c30"].into_iter().zip(stiffening.ratios).zip(stiffening.sigma);
-            named.flat_map(|((name, ratio), sigma)| {
-                [Metric::new(id(name), ratio, ""), Metric::new(id(&format!("{name}.sigma")), sigma, "")]
-            })
-        }));
+        metrics.extend(self.stiffening_metrics(&id));
         metrics.extend([
             Metric::new(id("modulus_time_s"), self.modulus_time, "s"),
             Metric::new(id("loss"), self.loss, ""),
@@ -122,10 +117,12 @@ impl Record for Identified {
                 Metric::new(id("certificate_sigma"), certificate.sigma, ""),
                 Metric::new(id("certificate_rounds"), certificate.rounds as f64, ""),
                 Metric::new(id("whole_equilibria"), certificate.whole_equilibria as f64, ""),
-                Metric::new(id("training_seconds"), self.durations.search.training, "s"),
-                Metric::new(id("search_seconds"), self.durations.search.search, "s"),
             ]
         }));
+        metrics.extend([
+            Metric::new(id("training_seconds"), self.durations.search.training, "s"),
+            Metric::new(id("search_seconds"), self.durations.search.search, "s"),
+        ]);
         metrics.extend(self.uncertainty.mesh_error.map(|error| Metric::new(id("mesh_error_mm"), 1e3 * error, "mm")));
         metrics.extend(self.uncertainty.first_correlation().map(|c| Metric::new(id("correlation"), c, "")));
         let largest = self.levels.iter().map(Level::largest_error).fold(0.0, f64::max);
@@ -139,12 +136,15 @@ impl Record for Identified {
         let advice: String = self.uncertainty.advice.iter().map(|a| format!("; {a}")).collect();
         let mesh = self.uncertainty.mesh_error.map(|error| format!(", {:.2} mm from a finer mesh", 1e3 * error));
         let mesh = mesh.unwrap_or_default();
+        let doubted = self.certificate.as_ref().ok().filter(|certificate| !certificate.holds());
+        let doubt = doubted.map(|of| format!("; the reduced model is {:.1} deviations off there", of.sigma));
         format!(
-            "loss {:.1e}, {} {:.1} s after loading{mesh}; {}{advice}",
+            "loss {:.1e}, {} {:.1} s after loading{mesh}; {}{advice}{}",
             self.loss,
             moduli.join(", "),
             self.modulus_time,
-            self.uncertainty.words
+            self.uncertainty.words,
+            doubt.unwrap_or_default()
         )
     }
 }
@@ -164,6 +164,14 @@ pub struct DisplayModulus<'a> {
 }
 
 impl Identified {
+    fn stiffening_metrics(&self, id: &dyn Fn(&str) -> String) -> Vec<Metric> {
+        let Some(Stiffening { ratios, sigma }) = self.stiffening else { return Vec::new() };
+        let metrics_of_ratio = |((name, ratio), sigma)| {
+            [Metric::new(id(name), ratio, ""), Metric::new(id(&format!("{name}.sigma")), sigma, "")]
+        };
+        ["c20", "c30"].into_iter().zip(ratios).zip(sigma).flat_map(metrics_of_ratio).collect()
+    }
+
     /// The identified constants of a model, at the time to which they belong.
     pub fn elastic(&self, model: &Model) -> Elastic {
         let Elastic { poissons_ratios, stiffening, .. } = model.nominal.clone();

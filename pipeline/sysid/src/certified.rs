@@ -14,8 +14,10 @@ use crate::misfit::Misfit;
 use crate::model::Elastic;
 use diagnostics::Result;
 
-/// Searches at most.
-pub(crate) const ROUNDS: usize = 3;
+/// Searches at most. After three the answer of a tail whose walls buckle was 0.3 deviations off; each takes a minute.
+// A first search that may go no farther than a quarter from where the model was trained ended worse (1.4 after three): what is missing is not the way
+// to the answer but shapes about it.
+const ROUNDS: usize = 5;
 /// The difference of a marker, over its deviation, from which the model is enriched.
 const ENOUGH: f64 = 0.1;
 
@@ -102,7 +104,10 @@ impl CertifiedSearch {
             let sigma;
             (levels, sigma) = certify_end((whole, &mut reduced), &elastic, (self.derivatives, self.discrepancy))?;
             let certificate = Certificate { sigma, rounds, whole_equilibria: (rounds + 1) * levels.len() };
-            if certificate.holds() || rounds == ROUNDS {
+            // What the first search ends on was corrected at its start alone: of a coarse tail, whose markers differed by 0.08 deviations there, it was
+            // 0.8 deviations of the modulus from the answer of the whole body.
+            let is_corrected_nearby = rounds > 1;
+            if certificate.holds() && is_corrected_nearby || rounds == ROUNDS {
                 durations.training = began.elapsed().as_secs_f64() - durations.search;
                 return Ok(Certified { elastic, found: search_result, levels, certificate, durations });
             }

@@ -35,6 +35,7 @@ pub mod estimate;
 pub mod free_vibration;
 mod identified_materials;
 pub mod inflation_test;
+mod interpolation;
 pub mod joint_fit;
 pub mod landscape;
 mod lateral_loads;

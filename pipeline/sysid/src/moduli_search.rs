@@ -4,6 +4,8 @@
 //! The stiffening is identified before the moduli, whose search keeps it: the least misfit of both together is also the least one over the
 //! moduli at that stiffening, and landscape and searches stay over two parameters as in the paper.
 
+use std::time::Instant;
+
 use optimize::Problem;
 use optimize::optimisers::{self, gauss_newton};
 use serde::{Deserialize, Serialize};
@@ -53,7 +55,7 @@ pub struct Minimum {
     pub levels: Vec<SimulatedLevel>,
     /// How well the reduced model served; or why none did.
     pub certificate: Result<Certificate, String>,
-    /// How long it took; zero in the whole body.
+    /// How long it took; the whole body is not trained.
     pub durations: SearchDurations,
 }
 
@@ -77,6 +79,7 @@ impl ModuliSearch {
             },
         };
         progress("in the whole body");
+        let began = Instant::now();
         let mut full_solver = loss.solver(self.static_tolerance, self.parallel_solves);
         let (elastic, (moduli, problem, stiffened)) = self.search_with(loss, nominal, &mut full_solver)?;
         let levels = full_solver.solve(&elastic, Derivatives::None)?;
@@ -86,7 +89,7 @@ impl ModuliSearch {
             stiffened,
             levels,
             certificate: Err(refused),
-            durations: SearchDurations::default(),
+            durations: SearchDurations { training: 0.0, search: began.elapsed().as_secs_f64() },
         })
     }
 

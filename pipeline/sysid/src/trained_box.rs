@@ -6,7 +6,7 @@
 use optimize::Bounds;
 use si::Second;
 
-use crate::certified::{Certificate, ROUNDS, certify_end, largest_standardised};
+use crate::certified::{Certificate, certify_end, largest_standardised};
 use crate::levels::{Derivatives, LevelSolver, SimulatedLevel};
 use crate::loss::{Loss, SearchResult};
 use crate::model::Elastic;
@@ -15,6 +15,9 @@ use diagnostics::Result;
 
 /// A search and how long it took, s.
 pub type TimedSearch = (SearchResult, Second);
+
+/// Rounds at most: each repeats all searches of a comparison, which takes minutes.
+const ROUNDS: usize = 3;
 
 /// Ends whose markers are nearer to each other than this part of their deviations share the whole body's equilibria: methods that find one minimum
 /// end a step apart, and each end costs the whole body all levels.

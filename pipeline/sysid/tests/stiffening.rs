@@ -119,7 +119,8 @@ fn a_search_in_a_reduced_model_ends_where_that_of_the_whole_body_does() {
     let (alone, deviations) = (identified(&model, levels), found.residuals.posterior(4).unwrap());
     for (k, (reduced, whole)) in found.at.iter().zip(&alone.at).enumerate() {
         let sigma = deviations.sigma(k);
-        assert!((reduced - whole).abs() < 0.05 * sigma, "{reduced} for {whole} ± {sigma}");
+        // each search ends where a step would lower half the sum of squares by 1e-3: up to 0.045 deviations from its minimum
+        assert!((reduced - whole).abs() < 0.1 * sigma, "{reduced} for {whole} ± {sigma}");
         let width = sigma / alone.residuals.posterior(4).unwrap().sigma(k);
         assert!((width - 1.0).abs() < 0.1, "an interval {width} times as wide");
     }

@@ -4,9 +4,9 @@
 
 pub mod box_mesh;
 pub(crate) mod clamps;
-mod interpolation;
 pub mod wedges;
 
+use crate::assembly::shape_functions::{element as shape_functions, is_wedge, wedge};
 use crate::setup_error::SetupError;
 use si::Point3;
 use sparse::NodeGraph;
@@ -67,6 +67,20 @@ impl Elements {
     /// The elements as lists of `N` nodes, `N` = [`Elements::nodes_each`].
     pub(crate) fn of_order<const N: usize>(&self) -> &[[u32; N]] {
         self.connectivity().as_chunks::<N>().0
+    }
+
+    /// The shape functions of `element` at a place of the reference tetrahedron, wedge or cube, whose coordinates go from 0 to 1, one a node: values
+    /// and derivatives by the place.
+    pub fn shape_functions(&self, element: usize, place: Point3) -> Vec<(f64, Point3)> {
+        match self.nodes(element) {
+            _ if self.is_wedge(element) => wedge(place),
+            nodes => shape_functions(nodes.len(), place),
+        }
+    }
+
+    /// Whether `element` is a wedge among hexahedra.
+    pub fn is_wedge(&self, element: usize) -> bool {
+        matches!(self, Self::QuadraticHexahedra(hexahedra) if is_wedge(&hexahedra[element]))
     }
 
     /// Node numbers of `element`: 4, 10, 8 or 20 of them.

@@ -11,6 +11,7 @@ use si::Point2;
 use super::level::{Derivatives, LevelCorrection, SimulatedLevel};
 use super::solver::LevelSolver;
 use super::statics::{ReducedShapes, Unknowns};
+use crate::interpolation::spots_inside;
 use crate::model::{BODY, Elastic};
 use crate::surrogate::{KnownShape, Load, Slope, Surrogate};
 use diagnostics::Result;
@@ -87,8 +88,11 @@ impl LevelSolver {
 
     /// The same of levels that were simulated on another `mesh` of the body: their displacements, at the nodes of this one.
     pub(crate) fn add_guesses_of_mesh(&mut self, elastic: &Elastic, (mesh, simulated): (&Mesh, &[SimulatedLevel])) {
-        let nodes = &self.model().system.mesh().nodes;
-        let here = |level: &SimulatedLevel| mesh.field_at(&level.displacement, nodes);
+        let spots = spots_inside(mesh, &self.model().system.mesh().nodes);
+        let here = |level: &SimulatedLevel| -> Vec<f64> {
+            let (displacements, _) = level.displacement.as_chunks::<3>();
+            spots.iter().flat_map(|spot| spot.at(displacements)).collect()
+        };
         let shapes: Vec<Vec<f64>> = simulated.iter().map(here).collect();
         // length: both are the levels of one misfit
         for (level, shape) in self.levels.iter().zip(shapes) {
