@@ -77,11 +77,11 @@ impl Inputs {
 
     /// Sets the mass to that of the current densities.
     pub(crate) fn update_mass(&mut self, data: &SystemData) {
-        let [own, of_system] = [&self.properties, &data.regions]
+        let [densities, system_densities] = [&self.properties, &data.regions]
             .map(|regions| regions.iter().map(|region| region.density).collect::<Vec<f64>>());
-        self.mass = match own == of_system {
+        self.mass = match densities == system_densities {
             true => Arc::clone(&data.mass),
-            false => Arc::new(Mass::new(&data.mass_assembly(), &own, &data.options.masses)),
+            false => Arc::new(Mass::new(&data.mass_assembly(), &densities, &data.options.masses)),
         };
         self.update_dead_forces();
     }

@@ -171,4 +171,17 @@ mod tests {
         let force = relaxed * SVector::<f64, 9>::from_column_slice(moved.as_slice());
         assert!(force.amax() < 1e-6 * 1e6, "{}", force.amax());
     }
+
+    #[test]
+    fn a_shape_that_is_dilated_at_a_point_keeps_its_stiffness_in_shear() {
+        // ν = 0.487: λ is 37 μ, and at 4 % of dilatation μ − λ ln J is negative
+        let material = by_name("neo_hookean").expect("a law of this name");
+        let (equilibrium, dilated) = (Matrix3::identity(), Matrix3::from_diagonal_element(1.04_f64.cbrt()));
+        let at = PointState { material, moduli: Moduli::of(2.5e5, 0.487), F: &dilated, held: None };
+        let shear = SVector::<f64, 9>::from_column_slice(&[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let stiffness = |kind: TangentKind| shear.dot(&(kind.tangent(&at, |_| equilibrium) * shear));
+        let moved = stiffness(TangentKind::FormerStress(&[]));
+        // 4 μ of a symmetric shear by one each way
+        assert!((moved / (4.0 * at.moduli.mu) - 1.0).abs() < 0.05, "{moved}");
+    }
 }

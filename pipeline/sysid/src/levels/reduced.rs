@@ -89,11 +89,11 @@ impl LevelSolver {
     /// The same of levels that were simulated on another `mesh` of the body: their displacements, at the nodes of this one.
     pub(crate) fn add_guesses_of_mesh(&mut self, elastic: &Elastic, (mesh, simulated): (&Mesh, &[SimulatedLevel])) {
         let spots = spots_inside(mesh, &self.model().system.mesh().nodes);
-        let here = |level: &SimulatedLevel| -> Vec<f64> {
+        let interpolated_shape = |level: &SimulatedLevel| -> Vec<f64> {
             let (displacements, _) = level.displacement.as_chunks::<3>();
             spots.iter().flat_map(|spot| spot.at(displacements)).collect()
         };
-        let shapes: Vec<Vec<f64>> = simulated.iter().map(here).collect();
+        let shapes: Vec<Vec<f64>> = simulated.iter().map(interpolated_shape).collect();
         // length: both are the levels of one misfit
         for (level, shape) in self.levels.iter().zip(shapes) {
             let load = Load::new(level.filled(), level.top(), elastic, self.unit);
