@@ -8,7 +8,7 @@ use fem::Mesh;
 use optimize::Residuals;
 use si::{Metre, Point2};
 
-use crate::levels::{Derivatives, LevelSolver, SimulatedLevel};
+use crate::levels::{Derivatives, LevelSolver, SimulatedLevel, SimulatedMesh};
 use crate::misfit::Misfit;
 use crate::model::Elastic;
 use diagnostics::{Diagnostic, Result};
@@ -25,12 +25,14 @@ pub fn mesh_error(
     elastic: &Elastic,
     coarse: (&Mesh, &[SimulatedLevel]),
 ) -> Result<Vec<Vec<Point2>>> {
-    finer.add_guesses_of_mesh(elastic, coarse);
+    let (mesh, simulated) = coarse;
+    let levels = finer.levels().to_vec();
+    finer.add_guesses_of_mesh(&SimulatedMesh { mesh, elastic, levels: &levels, simulated });
     let finer = finer.solve(elastic, Derivatives::None)?;
     let difference = |(coarse, finer): (&Point2, &Point2)| [0, 1].map(|k| coarse[k] - finer[k]);
     // length: both have the levels of one misfit and the markers of one card
-    let levels = coarse.1.iter().zip(&finer);
-    Ok(levels.map(|(coarse, finer)| coarse.markers.iter().zip(&finer.markers).map(difference).collect()).collect())
+    let pairs = simulated.iter().zip(&finer);
+    Ok(pairs.map(|(coarse, finer)| coarse.markers.iter().zip(&finer.markers).map(difference).collect()).collect())
 }
 
 /// What a finer mesh says about the one that identifies.

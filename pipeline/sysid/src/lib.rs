@@ -69,7 +69,7 @@ pub use cells::count_cells;
 pub use certified::{Certificate, Certified, CertifiedSearch, SearchDurations};
 pub use discrepancy::Discrepancy;
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
-pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
+pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel, SimulatedMesh};
 pub use loss::{Evaluated, Loss, SearchResult, WallGauge, statics};
 pub use meshed::{Meshed, NamedRegion};
 pub use misfit::Misfit;

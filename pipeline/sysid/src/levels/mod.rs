@@ -7,4 +7,5 @@ mod solver;
 pub(crate) mod statics;
 
 pub use level::{Derivatives, PressureLevel, SimulatedLevel};
+pub use reduced::SimulatedMesh;
 pub use solver::LevelSolver;

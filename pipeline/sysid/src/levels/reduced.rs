@@ -8,7 +8,7 @@
 use fem::{Mesh, ReductionSettings, RegionProperties, Snapshot};
 use si::Point2;
 
-use super::level::{Derivatives, LevelCorrection, SimulatedLevel};
+use super::level::{Derivatives, LevelCorrection, PressureLevel, SimulatedLevel};
 use super::solver::LevelSolver;
 use super::statics::{ReducedShapes, Unknowns};
 use crate::interpolation::spots_inside;
@@ -20,6 +20,19 @@ use diagnostics::Result;
 const SETTINGS: ReductionSettings = ReductionSettings { coordinates: 44, least_share: 1e-10, tolerance: 3e-4 };
 /// Equilibria whose loads are nearer to each other than this teach the same.
 const APART: f64 = 0.02;
+
+/// What was simulated on a mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct SimulatedMesh<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The constants.
+    pub elastic: &'a Elastic,
+    /// The pressure levels.
+    pub levels: &'a [PressureLevel],
+    /// What came of each.
+    pub simulated: &'a [SimulatedLevel],
+}
 
 impl LevelSolver {
     /// The same levels in a reduced model trained on the equilibria that this solver knows, with their derivatives.
@@ -86,17 +99,14 @@ impl LevelSolver {
         }
     }
 
-    /// The same of levels that were simulated on another `mesh` of the body: their displacements, at the nodes of this one.
-    pub(crate) fn add_guesses_of_mesh(&mut self, elastic: &Elastic, (mesh, simulated): (&Mesh, &[SimulatedLevel])) {
-        let spots = spots_inside(mesh, &self.model().system.mesh().nodes);
-        let interpolated_shape = |level: &SimulatedLevel| -> Vec<f64> {
-            let (displacements, _) = level.displacement.as_chunks::<3>();
-            spots.iter().flat_map(|spot| spot.at(displacements)).collect()
-        };
-        let shapes: Vec<Vec<f64>> = simulated.iter().map(interpolated_shape).collect();
-        // length: both are the levels of one misfit
-        for (level, shape) in self.levels.iter().zip(shapes) {
-            let load = Load::new(level.filled(), level.top(), elastic, self.unit);
+    /// The same of levels that were simulated on another mesh of the body: their displacements, at the nodes of this one.
+    pub fn add_guesses_of_mesh(&mut self, other: &SimulatedMesh) {
+        let spots = spots_inside(other.mesh, &self.model().system.mesh().nodes);
+        // length: both are the levels of one simulation
+        for (level, simulated) in other.levels.iter().zip(other.simulated) {
+            let (displacements, _) = simulated.displacement.as_chunks::<3>();
+            let shape = spots.iter().flat_map(|spot| spot.at(displacements)).collect();
+            let load = Load::new(level.filled(), level.top(), other.elastic, self.unit);
             self.known.add(KnownShape::new(load, shape));
         }
     }
