@@ -53,7 +53,7 @@ pub struct Identified {
 /// How long an identification took.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct IdentificationDurations {
-    /// Time of a simulation of all levels by the whole body with its derivatives over that of the equilibria alone.
+    /// Time of all simulations of the search by the whole body with their derivatives over that of the equilibria alone.
     pub gradient_over_forward: f64,
     /// Of the search.
     pub search: SearchDurations,

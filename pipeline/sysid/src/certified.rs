@@ -26,13 +26,18 @@ const ENOUGH: f64 = 0.1;
 pub struct Certificate {
     /// The largest difference of a marker's displacement from that of the whole body at the answer, over its deviation.
     pub sigma: f64,
-    /// Searches.
+    /// Searches; none where the whole body was searched.
     pub rounds: usize,
     /// Equilibria of the whole body, those on paths between levels left out.
     pub whole_equilibria: usize,
 }
 
 impl Certificate {
+    /// Of a search by the whole body, which took this many equilibria.
+    pub(crate) fn of_whole_body(whole_equilibria: usize) -> Self {
+        Self { sigma: 0.0, rounds: 0, whole_equilibria }
+    }
+
     /// Whether no marker differs by more than a tenth of its deviation.
     pub fn holds(&self) -> bool {
         self.sigma < ENOUGH

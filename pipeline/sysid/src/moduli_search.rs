@@ -1,5 +1,10 @@
-//! The search of the solids' moduli and, where the softest one's law stiffens, of its stiffening: in a reduced model that the whole body
-//! certifies, or by the whole body alone.
+//! The search of the solids' moduli and, where the softest one's law stiffens, of its stiffening: by the whole body, or in a reduced model that
+//! the whole body certifies.
+//!
+//! A search of two to four parameters by the Gauss-Newton method needs three to five evaluations, and equilibria near known ones are cheaper
+//! than what trains a reduced model for them: a thin tail of 38,649 unknowns and 14 levels is searched in 142 s by the whole body and in 403 s in
+//! a reduced model, whose answer differs by 0.06 % (body) and 0.15 % (sheet). Reduced models pay where a search needs hundreds of evaluations,
+//! as those of [`crate::TrainedBox`], or leaves the neighbourhood of what is known.
 //!
 //! The stiffening is identified before the moduli, whose search keeps it: the least misfit of both together is also the least one over the
 //! moduli at that stiffening, and landscape and searches stay over two parameters as in the paper.
@@ -14,7 +19,7 @@ use crate::certified::{Certificate, Certified, CertifiedSearch, SearchDurations}
 use crate::levels::{Derivatives, LevelSolver, SimulatedLevel};
 use crate::loss::{Loss, SearchResult};
 use crate::model::{BODY, Elastic};
-use crate::search::feasible_lower_bound;
+use crate::search::feasible_start_bound;
 use crate::stiffening::{Stiffened, StiffeningProblem};
 use diagnostics::{Diagnostic, Result};
 
@@ -24,7 +29,7 @@ use diagnostics::{Diagnostic, Result};
 pub enum SearchModel {
     /// A reduced model, certified by the whole body.
     Reduced,
-    /// The whole body at every point: the test of the other.
+    /// The whole body at every point.
     Whole,
 }
 
@@ -53,10 +58,12 @@ pub struct Minimum {
     pub stiffened: Option<Stiffened>,
     /// The whole body there.
     pub levels: Vec<SimulatedLevel>,
-    /// How well the reduced model served; or why none did.
+    /// How well the reduced model served; or why one that was asked for did not.
     pub certificate: Result<Certificate, String>,
     /// How long it took; the whole body is not trained.
     pub durations: SearchDurations,
+    /// Time of all simulations of the search by the whole body with their derivatives over that of the equilibria alone.
+    pub gradient_over_forward: f64,
 }
 
 /// What one search finds.
@@ -72,10 +79,10 @@ impl ModuliSearch {
     pub fn minimise(&self, loss: &mut Loss, progress: &dyn Fn(&str)) -> Result<Minimum> {
         let nominal = loss.model.nominal.stiffening;
         let refused = match self.model {
-            SearchModel::Whole => "the settings ask for the whole body".to_owned(),
+            SearchModel::Whole => None,
             SearchModel::Reduced => match self.search_certified(loss, nominal, progress) {
                 Ok(minimum) => return Ok(minimum),
-                Err(diagnostic) => diagnostic.what,
+                Err(diagnostic) => Some(diagnostic.what),
             },
         };
         progress("in the whole body");
@@ -88,8 +95,9 @@ impl ModuliSearch {
             problem,
             stiffened,
             levels,
-            certificate: Err(refused),
+            certificate: refused.map_or_else(|| Ok(Certificate::of_whole_body(full_solver.totals().equilibria)), Err),
             durations: SearchDurations { training: 0.0, search: began.elapsed().as_secs_f64() },
+            gradient_over_forward: full_solver.totals().gradient_over_forward(),
         })
     }
 
@@ -103,7 +111,16 @@ impl ModuliSearch {
         let round = |number: usize| progress(&format!("in a reduced model, round {number}"));
         let Certified { found: (moduli, problem, stiffened), levels, certificate, durations, .. } =
             certified_search.run(&mut full_solver, &mut |solver| self.search_with(loss, nominal, solver), &round)?;
-        Ok(Minimum { moduli, problem, stiffened, levels, certificate: Ok(certificate), durations })
+        let gradient_over_forward = full_solver.totals().gradient_over_forward();
+        Ok(Minimum {
+            moduli,
+            problem,
+            stiffened,
+            levels,
+            certificate: Ok(certificate),
+            durations,
+            gradient_over_forward,
+        })
     }
 
     /// Searches with one solver, from the `nominal` stiffening.
@@ -126,7 +143,7 @@ impl ModuliSearch {
             problem = loss.problem_from(bounds.clamp(&joint_fit.at[..problem.names().len()]), bounds)?;
             stiffened = Some(joint_fit);
         } else {
-            bounds.low[0] = feasible_lower_bound(solver, &loss.model.nominal, &bounds)?;
+            bounds.low[0] = feasible_start_bound(solver, &loss.model.nominal, &bounds)?;
             problem = loss.problem(bounds)?;
         }
         let mut settings = optimisers::Settings::default();

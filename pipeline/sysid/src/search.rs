@@ -44,12 +44,32 @@ pub(crate) fn spanning_order(points: &[Vec<f64>], known: &[Vec<f64>]) -> Vec<usi
 /// # Errors
 /// As `LevelSolver::follow_paths`.
 pub fn feasible_lower_bound(solver: &mut LevelSolver, elastic: &Elastic, bounds: &Bounds) -> Result<f64> {
+    lower_bound_within(solver, elastic, bounds, (log_modulus(solver, elastic) - bounds.low[0]).exp())
+}
+
+/// The lower bound of a search that begins with `elastic`: that of `bounds` where this body has an equilibrium at every level, else that of the
+/// bodies that have.
+///
+/// # Errors
+/// As `LevelSolver::follow_paths`.
+// A step to a body without equilibrium is halved. To know the softest body that has one takes paths to two or three times the pressures of the levels,
+// through contact of walls, of which a search from a plausible start sees nothing.
+pub(crate) fn feasible_start_bound(solver: &mut LevelSolver, elastic: &Elastic, bounds: &Bounds) -> Result<f64> {
+    lower_bound_within(solver, elastic, bounds, 1.0)
+}
+
+/// Of paths to `reach` times the pressure of the levels; the lower bound of `bounds` where all of them end there.
+fn lower_bound_within(solver: &mut LevelSolver, elastic: &Elastic, bounds: &Bounds, reach: f64) -> Result<f64> {
     let (low, high) = (bounds.low[0], bounds.high[0]);
-    let log_modulus = (elastic.youngs_moduli[BODY] / solver.model().nominal.youngs_moduli[BODY]).ln();
-    let reached = solver.follow_paths(elastic, (log_modulus - low).exp())?;
-    let lowest = log_modulus - reached.ln();
+    let reached = solver.follow_paths(elastic, reach)?;
+    let lowest = if reached < reach { log_modulus(solver, elastic) - reached.ln() } else { low };
     // without an equilibrium in the whole range, the first evaluation names the level that has none
     Ok(if lowest < high { lowest.clamp(low, (high - LEAST_RANGE).max(low)) } else { low })
+}
+
+/// Of the body, over the nominal one.
+fn log_modulus(solver: &LevelSolver, elastic: &Elastic) -> f64 {
+    (elastic.youngs_moduli[BODY] / solver.model().nominal.youngs_moduli[BODY]).ln()
 }
 
 #[cfg(test)]

@@ -71,10 +71,10 @@ adam_iterations = 3
 surface_points = 4
 landscape_points = 5
 [four_parameters]
-iterations = 6
+iterations = 10
 [mesh_sensitivity]
 edges = [0.007, 0.009]
-iterations = 2
+iterations = 8
 [inflate]
 shapes = 6
 [relaxation]

@@ -4,7 +4,6 @@ use optimize::Residuals;
 use si::Point2;
 
 use super::fitting::Fitting;
-use super::gradients::gradient_over_forward;
 use diagnostics::Result;
 use records::{self, IdentificationDurations, Identified, Level};
 use sysid::uncertainty::{self, Posterior};
@@ -42,7 +41,7 @@ impl Fitting<'_> {
             modulus_time: self.modulus_time,
             loss: misfit.loss(&markers),
             durations: IdentificationDurations {
-                gradient_over_forward: gradient_over_forward(levels),
+                gradient_over_forward: minimum.gradient_over_forward,
                 search: minimum.durations,
             },
             levels: self.simulated_levels(&markers),

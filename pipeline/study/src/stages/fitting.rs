@@ -20,7 +20,7 @@ use workflow::subject::Part;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// In what the search simulates: `reduced`, certified by the whole body at its end, or `whole`.
+    /// In what the search simulates: `whole`, or `reduced`, certified by the whole body at its end.
     pub(super) model: SearchModel,
     /// The fraction at the end of each hold that counts as settled, 0 to 1.
     pub(super) settled_fraction: f64,

@@ -2,7 +2,7 @@
 //! Gauss-Newton to convergence. Paper: section V, the search with four parameters.
 //!
 //! The parameters are the logarithms of the moduli and of ½ − ν, on which the response of a nearly incompressible body depends. The search
-//! begins at the card's values, in a reduced model that the whole body certifies at its end.
+//! begins at the card's values.
 
 use fem::StaticSettings;
 use optimize::optimisers::{self, gauss_newton};
@@ -13,7 +13,7 @@ use diagnostics::{Diagnostic, Result};
 use records::{self, Four, Identified, Mesh, Uncertainty};
 use sysid::Interrupted;
 use sysid::Misfit;
-use sysid::{Body, CertifiedSearch, Derivatives, Elastic, LevelSolver, Model, residuals_of};
+use sysid::{Body, Derivatives, Elastic, LevelSolver, Model, residuals_of};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.
@@ -46,7 +46,7 @@ impl Stage for FourParameters {
     type Needs = (Mesh, Identified);
     type Makes = records::FourParameters;
     const DESCRIPTION: &'static str = "both Poisson's ratios are identified as well";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 10;
 
     fn run(
         card: &Self::Card,
@@ -61,7 +61,7 @@ impl Stage for FourParameters {
         let levels = Misfit::of_record(&identified.levels, &identified.noise, identified.length)?;
         let search = search_problem(card, set, &model)?;
         let fit = Fit { set, model: &model, levels: &levels };
-        let (best, losses) = fit.certified_search(&search, context)?;
+        let (best, losses) = fit.search(&search, context)?;
         let uncertainty = posterior_uncertainty(&best)?;
         let iterates =
             losses.iter().map(|(point, loss)| (four_constants(&elastic_constants(&model, point)), *loss)).collect();
@@ -113,25 +113,19 @@ struct Fit<'a> {
 }
 
 impl Fit<'_> {
-    /// Gauss-Newton to convergence; every point of the last search with its loss is returned as well.
-    fn certified_search(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
+    /// Gauss-Newton to convergence; every point of the search with its loss is returned as well.
+    fn search(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
         let statics = StaticSettings { tolerance: self.set.static_tolerance, ..StaticSettings::default() };
-        let mut whole_body =
-            LevelSolver::new(self.model.clone(), self.levels.levels.clone(), statics, self.set.parallel_solves);
-        let start = elastic_constants(self.model, search.start());
-        let certification = CertifiedSearch::new(start, Derivatives::AllSensitivities, self.levels);
-        let mut search_reduced = |reduced: &mut LevelSolver| {
-            let (best, losses) = self.minimise(search, reduced)?;
-            Ok((elastic_constants(self.model, &best.at), (best, losses)))
-        };
-        let round = |number: usize| context.progress(0.2 * number as f64, &format!("four parameters, round {number}"));
-        match certification.run(&mut whole_body, &mut search_reduced, &round) {
-            Ok(certified) => Ok(certified.found),
-            Err(_) => self.minimise(search, &mut whole_body),
-        }
+        let (levels, parallel) = (self.levels.levels.clone(), self.set.parallel_solves);
+        self.minimise(search, &mut LevelSolver::new(self.model.clone(), levels, statics, parallel), context)
     }
 
-    fn minimise(&self, search: &Problem, solver: &mut LevelSolver) -> Result<(Evaluation, Vec<Iterate>)> {
+    fn minimise(
+        &self,
+        search: &Problem,
+        solver: &mut LevelSolver,
+        context: &dyn StageContext,
+    ) -> Result<(Evaluation, Vec<Iterate>)> {
         let Self { set, model, levels } = *self;
         let mut losses = Vec::new();
         let newton = gauss_newton::Settings {
@@ -154,6 +148,7 @@ impl Fit<'_> {
             let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
             let loss = levels.loss(&markers);
             losses.push((point.clone(), loss));
+            context.progress(losses.len() as f64 / set.iterations as f64, &format!("simulation {}", losses.len()));
             let compressibilities = constants.poissons_ratios.iter().map(|nu| nu - 0.5);
             let parameters: Vec<f64> = constants.youngs_moduli.iter().copied().chain(compressibilities).collect();
             let residuals = levels.residuals(&simulated, &parameters)?;

@@ -1,10 +1,9 @@
-//! Gradients: the adjoint gradient of the loss against finite differences, and its cost.
+//! Gradients: the adjoint gradient of the loss against finite differences.
 
 use optimize::{Needs, Problem};
-use si::Second;
 
 use diagnostics::Result;
-use sysid::{LevelSolver, Loss, SimulatedLevel, statics};
+use sysid::{LevelSolver, Loss, statics};
 
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
 const DIFFERENCE: f64 = 1e-3;
@@ -33,12 +32,4 @@ pub(super) fn gradient_difference(loss: &Loss, search: &Problem, solved: &LevelS
         worst = worst.max((difference - adjoint[k]).abs() / size);
     }
     Ok(worst)
-}
-
-/// Time of one simulation of all levels with its derivatives over that of the equilibria alone, as the original counts it: by the `levels` of the
-/// whole body at the end of a search.
-pub(super) fn gradient_over_forward(levels: &[SimulatedLevel]) -> f64 {
-    let forward: Second = levels.iter().map(|level| level.forward_seconds).sum();
-    let derivatives: Second = levels.iter().map(|level| level.derivative_seconds).sum();
-    (forward + derivatives) / forward
 }

@@ -21,7 +21,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const DESCRIPTION: &'static str = "Young's moduli are identified from quasi-static motion";
-    const VERSION: u32 = 26;
+    const VERSION: u32 = 27;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)

@@ -12,7 +12,10 @@ use super::mesh;
 use diagnostics::Result;
 use records::subject::Specimen;
 use records::{self, Cells, Identified, Mesh, MeshResult, Moduli};
-use sysid::{Attached, Body, CertifiedSearch, Derivatives, Elastic, Interrupted, LevelSolver, Misfit, Model};
+use sysid::{
+    Attached, Body, Certified, CertifiedSearch, Derivatives, Elastic, Interrupted, LevelSolver, Misfit, Model,
+};
+use sysid::{PressureLevel, SimulatedLevel, SimulatedMesh};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 
@@ -59,7 +62,7 @@ impl Stage for MeshSensitivity {
     type Needs = Identified;
     type Makes = records::MeshSensitivity;
     const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
-    const VERSION: u32 = 11;
+    const VERSION: u32 = 12;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -77,12 +80,32 @@ impl Stage for MeshSensitivity {
         let meshes = meshes.into_iter().chain(finer.iter().map(|&finer| Cells::Hexahedra { finer }));
         let meshes: Vec<Cells> = meshes.collect();
         let films = IdentifiedFilms { card, set, identified: &identified };
-        let row = |(number, cells): (usize, &Cells)| {
+        let (mut rows, mut searched_before) = (Vec::new(), None);
+        for (number, cells) in meshes.iter().enumerate() {
             context.progress(number as f64 / meshes.len() as f64, &cells.size_text());
-            films.result_on(cells, context)
-        };
-        let rows = meshes.iter().enumerate().map(row).collect::<Result<_>>()?;
+            let (row, searched) = films.result_on(cells, searched_before.as_ref(), context)?;
+            rows.push(row);
+            // shapes of elements that lock are the worse guesses
+            if cells.nodes() > 4 {
+                searched_before = Some(searched);
+            }
+        }
         Ok(records::MeshSensitivity { rows })
+    }
+}
+
+/// Where the search on a mesh ended: the next mesh begins there.
+struct SearchedMesh {
+    mesh: fem::Mesh,
+    levels: Vec<PressureLevel>,
+    elastic: Elastic,
+    simulated: Vec<SimulatedLevel>,
+}
+
+impl SearchedMesh {
+    fn simulated(&self) -> SimulatedMesh<'_> {
+        let Self { mesh, levels, elastic, simulated } = self;
+        SimulatedMesh { mesh, elastic, levels, simulated }
     }
 }
 
@@ -94,8 +117,13 @@ struct IdentifiedFilms<'a> {
 }
 
 impl IdentifiedFilms<'_> {
-    /// The moduli on another mesh.
-    fn result_on(&self, cells: &Cells, context: &dyn StageContext) -> Result<MeshResult> {
+    /// The moduli on another mesh, and where their search ended; it begins where the one on the mesh `before` did.
+    fn result_on(
+        &self,
+        cells: &Cells,
+        before: Option<&SearchedMesh>,
+        context: &dyn StageContext,
+    ) -> Result<(MeshResult, SearchedMesh)> {
         let Self { card, set, identified } = *self;
         let (other_mesh, identified) = match cells {
             Cells::Tetrahedra { edge, .. } => {
@@ -107,10 +135,14 @@ impl IdentifiedFilms<'_> {
         };
         let levels = Misfit::of_record(&identified.levels, &identified.noise, identified.length)?;
         let model = model_on_mesh(&card.body, &other_mesh, cells.nodes(), &identified)?;
-        let dofs = 3 * model.system.mesh().nodes.len();
-        let locks = matches!(cells, Cells::Tetrahedra { .. });
-        let (best, reduced_sigma) = identify_moduli(set, (&model, locks), &levels, &identified)?;
-        Ok(MeshResult { cells: *cells, dofs, loss: best.loss, at: moduli_at(&identified, &best.at), reduced_sigma })
+        let mesh = model.system.mesh().clone();
+        let search = MeshSearch { set, model: &model, levels: &levels, identified: &identified };
+        let (best, simulated, reduced_sigma) =
+            if cells.nodes() == 4 { search.certified(before) } else { search.whole(before) }?;
+        let (dofs, at) = (3 * mesh.nodes.len(), search.moduli_at(&best.at));
+        let row = MeshResult { cells: *cells, dofs, loss: best.loss, at, reduced_sigma };
+        let elastic = search.elastic(&best.at);
+        Ok((row, SearchedMesh { mesh, levels: levels.levels, elastic, simulated }))
     }
 }
 
@@ -122,63 +154,93 @@ fn model_on_mesh(body: &Body, mesh: &Mesh, nodes: usize, identified: &Identified
     Model::new(&solid, Attached { chambers: &mesh.skin_codes(), clamped: &[] }, spots.collect(), body)
 }
 
-fn moduli_at(identified: &Identified, point: &[f64]) -> Moduli {
-    identified.best.iter().zip(point).map(|(modulus, log_ratio)| modulus * log_ratio.exp()).collect()
+/// Gauss-Newton over the logarithms of the moduli over the identified ones.
+struct MeshSearch<'a> {
+    set: &'a Settings,
+    model: &'a Model,
+    levels: &'a Misfit,
+    identified: &'a Identified,
 }
 
-/// Gauss-Newton over the logarithms of the moduli over the identified ones, in a reduced model that the whole mesh certifies. Elements that lock
-/// have their answer far from the start: what is not certified is searched on the whole mesh, which finer hexahedra neither need nor allow. With
-/// the largest difference of a marker at the end, over its deviation, of a search in the reduced model.
-fn identify_moduli(
-    set: &Settings,
-    (model, locks): (&Model, bool),
-    levels: &Misfit,
-    identified: &Identified,
-) -> Result<(Evaluation, Option<f64>)> {
-    let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
-    let mut whole_mesh = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
-    let certification = CertifiedSearch::new(identified.elastic(model), Derivatives::Sensitivities, levels);
-    let elastic = |point: &[f64]| Elastic { youngs_moduli: moduli_at(identified, point), ..identified.elastic(model) };
-    let mut search_reduced = |solver: &mut LevelSolver| {
-        let best = minimise(set, (levels, identified), &elastic, solver)?;
-        Ok((elastic(&best.at), best))
-    };
-    match certification.run(&mut whole_mesh, &mut search_reduced, &|_| ()) {
-        Ok(certified) if certified.certificate.holds() || !locks => {
-            Ok((certified.found, Some(certified.certificate.sigma)))
-        }
-        _ => Ok((minimise(set, (levels, identified), &elastic, &mut whole_mesh)?, None)),
+/// The end of a search: its best point, the whole mesh there, and, of a search in a reduced model, the largest difference of a marker from the whole
+/// mesh over its deviation.
+type SearchEnd = (Evaluation, Vec<SimulatedLevel>, Option<f64>);
+
+impl MeshSearch<'_> {
+    /// By the whole mesh: near the answer this takes two or three evaluations, as many as a reduced model is trained on.
+    fn whole(&self, before: Option<&SearchedMesh>) -> Result<SearchEnd> {
+        self.search_whole(&mut self.solver(before))
     }
-}
 
-fn minimise(
-    set: &Settings,
-    (levels, identified): (&Misfit, &Identified),
-    elastic: &dyn Fn(&[f64]) -> Elastic,
-    solver: &mut LevelSolver,
-) -> Result<Evaluation> {
-    let (wide, count) = (set.modulus_factor.ln(), identified.solids.len());
-    let bounds = Bounds { low: vec![-wide; count], high: vec![wide; count] };
-    let names: Vec<&str> = identified.solids.iter().map(String::as_str).collect();
-    let search = Problem::new(&names, vec![0.0; count], bounds)?;
-    let newton = gauss_newton::Settings {
-        step_tolerance: set.step_tolerance,
-        fall_tolerance: gauss_newton::FALL,
-        iterations: set.iterations,
-        ..gauss_newton::Settings::default()
-    };
-    let mut optimiser = gauss_newton::GaussNewton::new(&search, &newton)?;
-    let mut evaluate = |point: &Vec<f64>| -> Result<Evaluation> {
-        let constants = elastic(point);
-        let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
-            return Ok(Evaluation::of_loss(point.clone(), f64::INFINITY));
+    /// In a reduced model where the whole mesh certifies it, else by the whole mesh: elements that lock have their answer far from the start, where the
+    /// whole mesh of four-node tetrahedra follows paths at each evaluation, minutes for the model's one.
+    fn certified(&self, before: Option<&SearchedMesh>) -> Result<SearchEnd> {
+        let mut solver = self.solver(before);
+        let start = self.identified.elastic(self.model);
+        let certification = CertifiedSearch::new(start, Derivatives::Sensitivities, self.levels);
+        let mut search_reduced = |reduced: &mut LevelSolver| {
+            let best = self.minimise(reduced)?;
+            Ok((self.elastic(&best.at), best))
         };
-        let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
-        let residuals = levels.residuals(&simulated, &constants.youngs_moduli)?;
-        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(point.clone(), levels.loss(&markers)) })
-    };
-    let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-        batch.iter().map(|point| evaluate(point).map_err(Interrupted)).collect()
-    };
-    Ok(optimize::minimise(&mut optimiser, &mut problem).map_err(|stop| stop.0)?.best)
+        match certification.run(&mut solver, &mut search_reduced, &|_| ()) {
+            Ok(Certified { found, levels, certificate, .. }) if certificate.holds() => {
+                Ok((found, levels, Some(certificate.sigma)))
+            }
+            _ => self.search_whole(&mut solver),
+        }
+    }
+
+    fn search_whole(&self, solver: &mut LevelSolver) -> Result<SearchEnd> {
+        let best = self.minimise(solver)?;
+        let simulated = solver.solve(&self.elastic(&best.at), Derivatives::None)?;
+        Ok((best, simulated, None))
+    }
+
+    /// Of the whole mesh, from the equilibria of the mesh `before`.
+    fn solver(&self, before: Option<&SearchedMesh>) -> LevelSolver {
+        let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
+        let mut solver = LevelSolver::new(self.model.clone(), self.levels.levels.clone(), statics, 2);
+        if let Some(before) = before {
+            solver.add_guesses_of_mesh(&before.simulated());
+        }
+        solver
+    }
+
+    fn moduli_at(&self, point: &[f64]) -> Moduli {
+        self.identified.best.iter().zip(point).map(|(modulus, log_ratio)| modulus * log_ratio.exp()).collect()
+    }
+
+    fn elastic(&self, point: &[f64]) -> Elastic {
+        Elastic { youngs_moduli: self.moduli_at(point), ..self.identified.elastic(self.model) }
+    }
+
+    fn minimise(&self, solver: &mut LevelSolver) -> Result<Evaluation> {
+        let Self { set, identified, .. } = *self;
+        let (wide, count) = (set.modulus_factor.ln(), identified.solids.len());
+        let bounds = Bounds { low: vec![-wide; count], high: vec![wide; count] };
+        let names: Vec<&str> = identified.solids.iter().map(String::as_str).collect();
+        let problem = Problem::new(&names, vec![0.0; count], bounds)?;
+        let newton = gauss_newton::Settings {
+            step_tolerance: set.step_tolerance,
+            fall_tolerance: gauss_newton::FALL,
+            iterations: set.iterations,
+            ..gauss_newton::Settings::default()
+        };
+        let mut optimiser = gauss_newton::GaussNewton::new(&problem, &newton)?;
+        let mut evaluate_batch = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+            batch.iter().map(|point| self.evaluation(solver, point).map_err(Interrupted)).collect()
+        };
+        Ok(optimize::minimise(&mut optimiser, &mut evaluate_batch).map_err(|stop| stop.0)?.best)
+    }
+
+    /// Loss and residuals at a point; infinite where a level has no equilibrium.
+    fn evaluation(&self, solver: &mut LevelSolver, point: &[f64]) -> Result<Evaluation> {
+        let constants = self.elastic(point);
+        let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
+            return Ok(Evaluation::of_loss(point.to_vec(), f64::INFINITY));
+        };
+        let markers: Vec<_> = simulated.iter().map(|level| level.markers.clone()).collect();
+        let residuals = self.levels.residuals(&simulated, &constants.youngs_moduli)?;
+        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(point.to_vec(), self.levels.loss(&markers)) })
+    }
 }

@@ -1,6 +1,7 @@
 //! Solvers that share the levels of a body between them.
 
 use fem::StaticSettings;
+use si::Second;
 
 use super::level::{Derivatives, LevelCorrection, PressureLevel, SimulatedLevel};
 use super::part::{Part, Solved};
@@ -25,6 +26,33 @@ pub struct LevelSolver {
     pub(super) unit: f64,
     /// See [`Part::corrections`].
     pub(super) corrections: Vec<LevelCorrection>,
+    totals: SolveTotals,
+}
+
+/// What a solver has done, paths between levels left out.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct SolveTotals {
+    /// Equilibria.
+    pub equilibria: usize,
+    /// Of those that were derived, s.
+    forward: Second,
+    /// Of their derivatives, s.
+    derivatives: Second,
+}
+
+impl SolveTotals {
+    /// Time of equilibria with their derivatives over that without.
+    pub fn gradient_over_forward(&self) -> f64 {
+        (self.forward + self.derivatives) / self.forward
+    }
+
+    fn add(&mut self, level: &SimulatedLevel, derivatives: Derivatives) {
+        self.equilibria += 1;
+        if derivatives != Derivatives::None {
+            self.forward += level.forward_seconds;
+            self.derivatives += level.derivative_seconds;
+        }
+    }
 }
 
 impl LevelSolver {
@@ -34,7 +62,17 @@ impl LevelSolver {
         let (unit, surrogate) = (highest / model.nominal.youngs_moduli[BODY], Surrogate::default());
         let unknowns = Unknowns::Nodes(model.clone());
         let solvers = (0..parallel.clamp(1, levels.len().max(1))).map(|_| unknowns.solver()).collect();
-        Self { model, levels, settings, unknowns, solvers, known: surrogate, unit, corrections: Vec::new() }
+        Self {
+            model,
+            levels,
+            settings,
+            unknowns,
+            solvers,
+            known: surrogate,
+            unit,
+            corrections: Vec::new(),
+            totals: SolveTotals::default(),
+        }
     }
 
     /// What it solves.
@@ -58,7 +96,22 @@ impl LevelSolver {
     pub(super) fn seeking(&self, unknowns: Unknowns, surrogate: Surrogate) -> Self {
         let solvers = self.solvers.iter().map(|_| unknowns.solver()).collect();
         let (model, levels, settings, unit) = (self.model.clone(), self.levels.clone(), self.settings, self.unit);
-        Self { model, levels, settings, unknowns, solvers, known: surrogate, unit, corrections: Vec::new() }
+        Self {
+            model,
+            levels,
+            settings,
+            unknowns,
+            solvers,
+            known: surrogate,
+            unit,
+            corrections: Vec::new(),
+            totals: SolveTotals::default(),
+        }
+    }
+
+    /// What it has done.
+    pub(crate) fn totals(&self) -> SolveTotals {
+        self.totals
     }
 
     /// Follows the equilibria with these constants, from rest or the highest that is known, to `reach` times the highest pressure of each
@@ -111,6 +164,7 @@ impl LevelSolver {
         let parts = run_parallel(tasks, count, |(solver, share)| part.solve(solver.as_mut(), share));
         let Solved { levels: mut solved, on_the_way } =
             parts.into_iter().try_fold(Solved::default(), |merged, part| part.map(|part| merged.and(part)))?;
+        solved.iter().for_each(|(_, level)| self.totals.add(level, derivatives));
         solved.sort_by_key(|(level, _)| *level);
         let loads: Vec<Load> = (0..solved.len()).map(|level| part.load(level)).collect();
         on_the_way.into_iter().for_each(|shape| self.known.add(shape));
