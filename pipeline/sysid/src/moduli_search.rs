@@ -95,9 +95,10 @@ impl ModuliSearch {
             problem,
             stiffened,
             levels,
-            certificate: refused.map_or_else(|| Ok(Certificate::of_whole_body(full_solver.totals().equilibria)), Err),
+            certificate: refused
+                .map_or_else(|| Ok(Certificate::of_whole_body(full_solver.solve_totals().equilibria)), Err),
             durations: SearchDurations { training: 0.0, search: began.elapsed().as_secs_f64() },
-            gradient_over_forward: full_solver.totals().gradient_over_forward(),
+            gradient_over_forward: full_solver.solve_totals().gradient_over_forward(),
         })
     }
 
@@ -111,7 +112,7 @@ impl ModuliSearch {
         let round = |number: usize| progress(&format!("in a reduced model, round {number}"));
         let Certified { found: (moduli, problem, stiffened), levels, certificate, durations, .. } =
             certified_search.run(&mut full_solver, &mut |solver| self.search_with(loss, nominal, solver), &round)?;
-        let gradient_over_forward = full_solver.totals().gradient_over_forward();
+        let gradient_over_forward = full_solver.solve_totals().gradient_over_forward();
         Ok(Minimum {
             moduli,
             problem,

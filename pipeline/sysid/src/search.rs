@@ -11,6 +11,10 @@ use crate::model::{BODY, Elastic};
 // refused.
 const LEAST_RANGE: f64 = 0.1;
 
+/// Part of a path that its end may seem to miss.
+// A start that counts as missed by a rounding error would be moved by a quarter of the range.
+const ROUNDING: f64 = 1e-9;
+
 /// Why a search stops: a diagnostic passed through an optimiser.
 pub struct Interrupted(pub Diagnostic);
 
@@ -60,11 +64,15 @@ pub(crate) fn feasible_start_bound(solver: &mut LevelSolver, elastic: &Elastic, 
 
 /// Of paths to `reach` times the pressure of the levels; the lower bound of `bounds` where all of them end there.
 fn lower_bound_within(solver: &mut LevelSolver, elastic: &Elastic, bounds: &Bounds, reach: f64) -> Result<f64> {
-    let (low, high) = (bounds.low[0], bounds.high[0]);
-    let reached = solver.follow_paths(elastic, reach)?;
-    let lowest = if reached < reach { log_modulus(solver, elastic) - reached.ln() } else { low };
-    // without an equilibrium in the whole range, the first evaluation names the level that has none
-    Ok(if lowest < high { lowest.clamp(low, (high - LEAST_RANGE).max(low)) } else { low })
+    let reached = solver.follow_paths(elastic, reach)? / reach;
+    let lowest = log_modulus(solver, elastic) - (reach * reached).ln();
+    let bound = if reached < 1.0 - ROUNDING { lowest } else { bounds.low[0] };
+    Ok(bound_in_range(bound, [bounds.low[0], bounds.high[0]]))
+}
+
+/// A lower bound within a range; without an equilibrium in the whole range, the first evaluation names the level that has none.
+fn bound_in_range(bound: f64, [low, high]: [f64; 2]) -> f64 {
+    if bound < high { bound.clamp(low, (high - LEAST_RANGE).max(low)) } else { low }
 }
 
 /// Of the body, over the nominal one.
@@ -75,6 +83,14 @@ fn log_modulus(solver: &LevelSolver, elastic: &Elastic) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_bound_leaves_a_range_or_none_at_all() {
+        assert_eq!(bound_in_range(0.3, [-1.0, 1.0]), 0.3);
+        assert_eq!(bound_in_range(-2.0, [-1.0, 1.0]), -1.0);
+        assert_eq!(bound_in_range(0.98, [-1.0, 1.0]), 1.0 - LEAST_RANGE);
+        assert_eq!(bound_in_range(1.5, [-1.0, 1.0]), -1.0);
+    }
 
     #[test]
     fn the_order_spreads_over_a_grid_from_what_is_known() {

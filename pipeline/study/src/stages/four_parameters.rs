@@ -61,7 +61,7 @@ impl Stage for FourParameters {
         let levels = Misfit::of_record(&identified.levels, &identified.noise, identified.length)?;
         let search = search_problem(card, set, &model)?;
         let fit = Fit { set, model: &model, levels: &levels };
-        let (best, losses) = fit.search(&search, context)?;
+        let (best, losses) = fit.minimise_from_rest(&search, context)?;
         let uncertainty = posterior_uncertainty(&best)?;
         let iterates =
             losses.iter().map(|(point, loss)| (four_constants(&elastic_constants(&model, point)), *loss)).collect();
@@ -114,7 +114,7 @@ struct Fit<'a> {
 
 impl Fit<'_> {
     /// Gauss-Newton to convergence; every point of the search with its loss is returned as well.
-    fn search(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
+    fn minimise_from_rest(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
         let statics = StaticSettings { tolerance: self.set.static_tolerance, ..StaticSettings::default() };
         let (levels, parallel) = (self.levels.levels.clone(), self.set.parallel_solves);
         self.minimise(search, &mut LevelSolver::new(self.model.clone(), levels, statics, parallel), context)

@@ -103,7 +103,7 @@ struct SearchedMesh {
 }
 
 impl SearchedMesh {
-    fn simulated(&self) -> SimulatedMesh<'_> {
+    fn simulated_mesh(&self) -> SimulatedMesh<'_> {
         let Self { mesh, levels, elastic, simulated } = self;
         SimulatedMesh { mesh, elastic, levels, simulated }
     }
@@ -137,11 +137,12 @@ impl IdentifiedFilms<'_> {
         let model = model_on_mesh(&card.body, &other_mesh, cells.nodes(), &identified)?;
         let mesh = model.system.mesh().clone();
         let search = MeshSearch { set, model: &model, levels: &levels, identified: &identified };
+        let mut solver = search.seeded_solver(before);
         let (best, simulated, reduced_sigma) =
-            if cells.nodes() == 4 { search.certified(before) } else { search.whole(before) }?;
+            if cells.nodes() == 4 { search.certified_end(&mut solver) } else { search.whole_end(&mut solver) }?;
         let (dofs, at) = (3 * mesh.nodes.len(), search.moduli_at(&best.at));
         let row = MeshResult { cells: *cells, dofs, loss: best.loss, at, reduced_sigma };
-        let elastic = search.elastic(&best.at);
+        let elastic = search.elastic_at(&best.at);
         Ok((row, SearchedMesh { mesh, levels: levels.levels, elastic, simulated }))
     }
 }
@@ -167,41 +168,36 @@ struct MeshSearch<'a> {
 type SearchEnd = (Evaluation, Vec<SimulatedLevel>, Option<f64>);
 
 impl MeshSearch<'_> {
-    /// By the whole mesh: near the answer this takes two or three evaluations, as many as a reduced model is trained on.
-    fn whole(&self, before: Option<&SearchedMesh>) -> Result<SearchEnd> {
-        self.search_whole(&mut self.solver(before))
-    }
-
     /// In a reduced model where the whole mesh certifies it, else by the whole mesh: elements that lock have their answer far from the start, where the
     /// whole mesh of four-node tetrahedra follows paths at each evaluation, minutes for the model's one.
-    fn certified(&self, before: Option<&SearchedMesh>) -> Result<SearchEnd> {
-        let mut solver = self.solver(before);
+    fn certified_end(&self, solver: &mut LevelSolver) -> Result<SearchEnd> {
         let start = self.identified.elastic(self.model);
         let certification = CertifiedSearch::new(start, Derivatives::Sensitivities, self.levels);
         let mut search_reduced = |reduced: &mut LevelSolver| {
             let best = self.minimise(reduced)?;
-            Ok((self.elastic(&best.at), best))
+            Ok((self.elastic_at(&best.at), best))
         };
-        match certification.run(&mut solver, &mut search_reduced, &|_| ()) {
+        match certification.run(solver, &mut search_reduced, &|_| ()) {
             Ok(Certified { found, levels, certificate, .. }) if certificate.holds() => {
                 Ok((found, levels, Some(certificate.sigma)))
             }
-            _ => self.search_whole(&mut solver),
+            _ => self.whole_end(solver),
         }
     }
 
-    fn search_whole(&self, solver: &mut LevelSolver) -> Result<SearchEnd> {
+    /// By the whole mesh, whose own answer it is: a reduced model of finer hexahedra took about as long.
+    fn whole_end(&self, solver: &mut LevelSolver) -> Result<SearchEnd> {
         let best = self.minimise(solver)?;
-        let simulated = solver.solve(&self.elastic(&best.at), Derivatives::None)?;
+        let simulated = solver.solve(&self.elastic_at(&best.at), Derivatives::None)?;
         Ok((best, simulated, None))
     }
 
     /// Of the whole mesh, from the equilibria of the mesh `before`.
-    fn solver(&self, before: Option<&SearchedMesh>) -> LevelSolver {
+    fn seeded_solver(&self, before: Option<&SearchedMesh>) -> LevelSolver {
         let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
         let mut solver = LevelSolver::new(self.model.clone(), self.levels.levels.clone(), statics, 2);
         if let Some(before) = before {
-            solver.add_guesses_of_mesh(&before.simulated());
+            solver.add_guesses_of_mesh(&before.simulated_mesh());
         }
         solver
     }
@@ -210,7 +206,7 @@ impl MeshSearch<'_> {
         self.identified.best.iter().zip(point).map(|(modulus, log_ratio)| modulus * log_ratio.exp()).collect()
     }
 
-    fn elastic(&self, point: &[f64]) -> Elastic {
+    fn elastic_at(&self, point: &[f64]) -> Elastic {
         Elastic { youngs_moduli: self.moduli_at(point), ..self.identified.elastic(self.model) }
     }
 
@@ -228,14 +224,14 @@ impl MeshSearch<'_> {
         };
         let mut optimiser = gauss_newton::GaussNewton::new(&problem, &newton)?;
         let mut evaluate_batch = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-            batch.iter().map(|point| self.evaluation(solver, point).map_err(Interrupted)).collect()
+            batch.iter().map(|point| self.evaluate_point(solver, point).map_err(Interrupted)).collect()
         };
         Ok(optimize::minimise(&mut optimiser, &mut evaluate_batch).map_err(|stop| stop.0)?.best)
     }
 
     /// Loss and residuals at a point; infinite where a level has no equilibrium.
-    fn evaluation(&self, solver: &mut LevelSolver, point: &[f64]) -> Result<Evaluation> {
-        let constants = self.elastic(point);
+    fn evaluate_point(&self, solver: &mut LevelSolver, point: &[f64]) -> Result<Evaluation> {
+        let constants = self.elastic_at(point);
         let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
             return Ok(Evaluation::of_loss(point.to_vec(), f64::INFINITY));
         };

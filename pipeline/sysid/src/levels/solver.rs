@@ -46,7 +46,7 @@ impl SolveTotals {
         (self.forward + self.derivatives) / self.forward
     }
 
-    fn add(&mut self, level: &SimulatedLevel, derivatives: Derivatives) {
+    fn count_level(&mut self, level: &SimulatedLevel, derivatives: Derivatives) {
         self.equilibria += 1;
         if derivatives != Derivatives::None {
             self.forward += level.forward_seconds;
@@ -59,20 +59,11 @@ impl LevelSolver {
     /// A solver over the levels with this many parallel solvers; of the settings, tolerance and iterations of Newton's method count.
     pub fn new(model: Model, levels: Vec<PressureLevel>, settings: StaticSettings, parallel: usize) -> Self {
         let highest = levels.iter().map(PressureLevel::top).fold(f64::MIN_POSITIVE, f64::max);
-        let (unit, surrogate) = (highest / model.nominal.youngs_moduli[BODY], Surrogate::default());
+        let (unit, known) = (highest / model.nominal.youngs_moduli[BODY], Surrogate::default());
         let unknowns = Unknowns::Nodes(model.clone());
         let solvers = (0..parallel.clamp(1, levels.len().max(1))).map(|_| unknowns.solver()).collect();
-        Self {
-            model,
-            levels,
-            settings,
-            unknowns,
-            solvers,
-            known: surrogate,
-            unit,
-            corrections: Vec::new(),
-            totals: SolveTotals::default(),
-        }
+        let (corrections, totals) = (Vec::new(), SolveTotals::default());
+        Self { model, levels, settings, unknowns, solvers, known, unit, corrections, totals }
     }
 
     /// What it solves.
@@ -93,24 +84,15 @@ impl LevelSolver {
     }
 
     /// The same levels in other unknowns, in which it knows these shapes.
-    pub(super) fn seeking(&self, unknowns: Unknowns, surrogate: Surrogate) -> Self {
+    pub(super) fn seeking(&self, unknowns: Unknowns, known: Surrogate) -> Self {
         let solvers = self.solvers.iter().map(|_| unknowns.solver()).collect();
         let (model, levels, settings, unit) = (self.model.clone(), self.levels.clone(), self.settings, self.unit);
-        Self {
-            model,
-            levels,
-            settings,
-            unknowns,
-            solvers,
-            known: surrogate,
-            unit,
-            corrections: Vec::new(),
-            totals: SolveTotals::default(),
-        }
+        let (corrections, totals) = (Vec::new(), SolveTotals::default());
+        Self { model, levels, settings, unknowns, solvers, known, unit, corrections, totals }
     }
 
     /// What it has done.
-    pub(crate) fn totals(&self) -> SolveTotals {
+    pub(crate) fn solve_totals(&self) -> SolveTotals {
         self.totals
     }
 
@@ -164,7 +146,7 @@ impl LevelSolver {
         let parts = run_parallel(tasks, count, |(solver, share)| part.solve(solver.as_mut(), share));
         let Solved { levels: mut solved, on_the_way } =
             parts.into_iter().try_fold(Solved::default(), |merged, part| part.map(|part| merged.and(part)))?;
-        solved.iter().for_each(|(_, level)| self.totals.add(level, derivatives));
+        solved.iter().for_each(|(_, level)| self.totals.count_level(level, derivatives));
         solved.sort_by_key(|(level, _)| *level);
         let loads: Vec<Load> = (0..solved.len()).map(|level| part.load(level)).collect();
         on_the_way.into_iter().for_each(|shape| self.known.add(shape));
